@@ -1,0 +1,20 @@
+//! What can go wrong with an aggregate.
+
+/// Why an aggregate was refused or its integration stopped.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PkdError {
+    /// No sphere at all.
+    #[error("an aggregate needs at least one sphere")]
+    Empty,
+    /// A value that is not finite, or a mass or radius that is not positive.
+    #[error("sphere {sphere}: {column} is {value}, which must be finite{}", if matches!(*column, "mass" | "radius") { " and positive" } else { "" })]
+    BadValue {
+        /// Row of the sphere, from 0.
+        sphere: usize,
+        /// Which quantity.
+        column: &'static str,
+        /// The value found.
+        value: f64,
+    },
+}

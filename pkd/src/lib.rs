@@ -1,0 +1,11 @@
+//! Particle dynamics of rubble piles: aggregates of spheres, their gravity, contacts and settling.
+//!
+//! SI units and `f64` throughout. Nothing here knows of sunlight, files or the command line.
+#![warn(missing_docs)]
+
+pub mod constants;
+mod error;
+mod spheres;
+
+pub use error::PkdError;
+pub use spheres::Spheres;

@@ -1,0 +1,1 @@
+//! Coupled spin and shape evolution of rubble-pile asteroids.
