@@ -5,6 +5,7 @@
 
 pub mod constants;
 mod error;
+pub mod gravity;
 mod spheres;
 
 pub use error::PkdError;
