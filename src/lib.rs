@@ -1,1 +1,7 @@
 //! Coupled spin and shape evolution of rubble-pile asteroids.
+//!
+//! The orchestrator: what the user asked for ([`scene`]) and the verbs that carry it out.
+//! SI units and `f64` inside; a name that is not SI carries its unit.
+#![warn(missing_docs)]
+
+pub mod scene;

@@ -1,0 +1,153 @@
+//! How the spheres of a scene move: spin, contacts, gravity, settling, what becomes of shed spheres.
+//!
+//! Defaults are those of Cotto-Figueroa et al. (2015), section 2.6, unless a line says otherwise.
+
+use serde::{Deserialize, Serialize};
+
+/// Spin state at the beginning; the body turns about its axis of largest moment.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Spin {
+    /// Rotation period, h [6, a common value for bodies of a kilometre].
+    pub period_h: f64,
+    /// Angle between spin vector and orbit normal, deg, 0 to 180 [5, Table 3].
+    pub obliquity_deg: f64,
+}
+
+impl Default for Spin {
+    fn default() -> Self {
+        Self { period_h: 6.0, obliquity_deg: 5.0 }
+    }
+}
+
+impl Spin {
+    /// Spin rate, rad/s.
+    pub fn rate_rad_s(&self) -> f64 {
+        std::f64::consts::TAU / (self.period_h * 3600.0)
+    }
+
+    /// Obliquity, rad.
+    pub fn obliquity_rad(&self) -> f64 {
+        self.obliquity_deg.to_radians()
+    }
+}
+
+/// The contact model.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Contact {
+    /// Impulses between hard spheres (Richardson et al. 2011, Icarus 212, 427).
+    HardSphere(HardSphereContact),
+}
+
+impl Default for Contact {
+    fn default() -> Self {
+        Self::HardSphere(HardSphereContact::default())
+    }
+}
+
+/// Hard spheres: restitution and the two limits that end bouncing (Richardson 1994, MNRAS 269, 493).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct HardSphereContact {
+    /// Normal restitution: 1 is elastic, 0 takes all normal speed [0.2].
+    pub restitution_normal: f64,
+    /// Tangential restitution: 1 is frictionless (spheres then carry no spin), 0 sticks, -1 reverses [0.5].
+    pub restitution_tangential: f64,
+    /// Impacts slower than this fraction of the pair's escape speed lose nothing [0.01].
+    pub slide_limit: f64,
+    /// Which speed the slide limit looks at [centre, as in pkdgrav].
+    pub slide_velocity: SlideVelocity,
+    /// A sphere that moved less than this fraction of its radius since its last impact loses nothing [1e-5]; smaller is
+    /// dearer (1e-6 about doubles the cost).
+    pub collapse_limit: f64,
+    /// Time step of gravity, s [50]; halving it about doubles the cost. Gravity wants at most 0.03/sqrt(G rho_grain).
+    pub step_s: f64,
+    /// Impacts of one sphere within a step after which it loses nothing more; counted when it happens [10000].
+    pub max_collisions_per_sphere: u32,
+}
+
+impl Default for HardSphereContact {
+    fn default() -> Self {
+        Self {
+            restitution_normal: 0.2,
+            restitution_tangential: 0.5,
+            slide_limit: 0.01,
+            slide_velocity: SlideVelocity::Centre,
+            collapse_limit: 1e-5,
+            step_s: 50.0,
+            max_collisions_per_sphere: 10_000,
+        }
+    }
+}
+
+/// The speed that the slide limit is compared with.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum SlideVelocity {
+    /// Of the centres, spins ignored.
+    #[default]
+    Centre,
+    /// Of the surfaces at the point of contact.
+    Surface,
+}
+
+/// How gravity is summed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct GravityOptions {
+    /// The method [auto].
+    pub method: GravityMethod,
+    /// Relative error of the force that an approximate method may make [1e-3]; the direct sum makes none.
+    pub force_error: f64,
+}
+
+impl Default for GravityOptions {
+    fn default() -> Self {
+        Self { method: GravityMethod::Auto, force_error: 1e-3 }
+    }
+}
+
+/// Method of summing gravity.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum GravityMethod {
+    /// The fastest method that keeps `force_error`.
+    #[default]
+    Auto,
+    /// Every pair, exact to round-off.
+    Direct,
+}
+
+/// When a body counts as settled.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Settling {
+    /// Rotations in a block; a block without movement ends the settling [5, "several" in section 2.4].
+    pub rotations: u32,
+    /// Rotations after which settling ends in any case and says so [50].
+    pub max_rotations: u32,
+}
+
+impl Default for Settling {
+    fn default() -> Self {
+        Self { rotations: 5, max_rotations: 50 }
+    }
+}
+
+/// What becomes of spheres that left the body.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Shed {
+    /// How they are followed [none].
+    pub track: Track,
+}
+
+/// How shed spheres are followed.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Track {
+    /// Removed with their mass, momentum and angular momentum, and recorded.
+    #[default]
+    None,
+}

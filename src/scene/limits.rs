@@ -1,0 +1,193 @@
+//! Which values a scene may hold: one table that validation, error messages and the JSON Schema share.
+//!
+//! A limit is where a value stops making sense (a restitution above 1) or where a run would no longer end or fit into
+//! memory (a step of a microsecond, 10^9 spheres). Paths are those of the scene file.
+
+use serde_json::Value;
+
+use super::{Body, Scene};
+
+/// A value that a scene may not hold.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Violation {
+    /// Path of the key.
+    pub path: String,
+    /// The value, as JSON.
+    pub found: String,
+    /// What would be allowed.
+    pub allowed: String,
+}
+
+/// The allowed values of one number of the scene.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Limit {
+    /// Path of the key.
+    pub path: &'static str,
+    /// Smallest value; excluded if `above`.
+    pub low: f64,
+    /// Whether `low` itself is refused.
+    pub above: bool,
+    /// Largest value; excluded if `below`.
+    pub high: f64,
+    /// Whether `high` itself is refused.
+    pub below: bool,
+    /// What else there is to say, or empty.
+    pub note: &'static str,
+}
+
+/// `low` to `high`, both allowed.
+const fn closed(path: &'static str, low: f64, high: f64) -> Limit {
+    Limit { path, low, above: false, high, below: false, note: "" }
+}
+
+/// Above `low`, at most `high`.
+const fn above(path: &'static str, low: f64, high: f64) -> Limit {
+    Limit { path, low, above: true, high, below: false, note: "" }
+}
+
+/// At least `low`, below `high`.
+const fn below(path: &'static str, low: f64, high: f64) -> Limit {
+    Limit { path, low, above: false, high, below: true, note: "" }
+}
+
+impl Limit {
+    const fn note(mut self, note: &'static str) -> Self {
+        self.note = note;
+        self
+    }
+
+    fn admits(&self, value: f64) -> bool {
+        let low = if self.above { value > self.low } else { value >= self.low };
+        let high = if self.below { value < self.high } else { value <= self.high };
+        low && high
+    }
+}
+
+impl std::fmt::Display for Limit {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        if self.low == self.high {
+            write!(f, "only {}", self.low)?;
+        } else {
+            let low = if self.above { "above" } else { "at least" };
+            let high = if self.below { "below" } else { "at most" };
+            write!(f, "{low} {}, {high} {}", self.low, self.high)?;
+        }
+        if self.note.is_empty() { Ok(()) } else { write!(f, " ({})", self.note) }
+    }
+}
+
+/// Every number of the scene that has limits of its own.
+pub(super) const LIMITS: &[Limit] = &[
+    closed("format", super::FORMAT as f64, super::FORMAT as f64),
+    closed("body.packed_ellipsoid.spheres", 10.0, 1e6),
+    above("body.packed_ellipsoid.radius_m", 0.0, 1e6),
+    above("body.packed_ellipsoid.grain_density_kg_m3", 0.0, 1e5),
+    closed("body.packed_ellipsoid.b_over_a", 0.1, 1.0),
+    closed("body.packed_ellipsoid.c_over_a", 0.1, 1.0).note("and not above b_over_a"),
+    above("body.carved_mesh.packing.random.radius_m", 0.0, 1e6),
+    above("body.carved_mesh.packing.random.grain_density_kg_m3", 0.0, 1e5),
+    above("body.carved_mesh.packing.hcp.radius_m", 0.0, 1e6),
+    above("body.carved_mesh.packing.hcp.grain_density_kg_m3", 0.0, 1e5),
+    closed("spin.period_h", 0.1, 1e5),
+    closed("spin.obliquity_deg", 0.0, 180.0),
+    closed("contact.hard_sphere.restitution_normal", 0.0, 1.0),
+    closed("contact.hard_sphere.restitution_tangential", -1.0, 1.0),
+    closed("contact.hard_sphere.slide_limit", 0.0, 1.0),
+    closed("contact.hard_sphere.collapse_limit", 0.0, 0.1),
+    closed("contact.hard_sphere.step_s", 0.01, 1000.0),
+    closed("contact.hard_sphere.max_collisions_per_sphere", 1.0, 1e6),
+    above("gravity.force_error", 0.0, 0.1),
+    closed("settling.rotations", 1.0, 1000.0),
+    closed("settling.max_rotations", 1.0, 10_000.0).note("and not below settling.rotations"),
+    closed("tiling.facets", 4.0, 200_000.0).note("and even, as every closed surface of triangles"),
+    closed("tiling.exponent", 1.0, 10.0),
+    closed("tiling.level", 0.1, 10.0),
+    closed("orbit.semimajor_axis_au", 0.01, 1000.0),
+    below("orbit.eccentricity", 0.0, 1.0),
+    below("surface.reflectance.hapke.single_scattering_albedo", 0.0, 1.0),
+    below("surface.reflectance.hapke.roughness_deg", 0.0, 60.0),
+    Limit { above: true, ..below("surface.reflectance.hapke.asymmetry", -1.0, 1.0) },
+    closed("surface.reflectance.lambert.bond_albedo", 0.0, 1.0),
+    closed("surface.thermal_inertia", 0.0, 0.0).note("heat conduction is not part of this version"),
+    above("surface.emissivity", 0.0, 1.0),
+    closed("torque.obliquity_step_deg", 0.1, 90.0).note("and a divisor of 180"),
+    closed("evolution.duration_myr", 0.0, 1e4),
+    closed("evolution.spin_change", 1e-5, 0.5),
+    closed("evolution.rk4_step_yr", 1.0, 1e6),
+    closed("evolution.movement_radius_fraction", 1e-3, 10.0),
+    above("evolution.moved_fraction_limit", 0.0, 1.0),
+    above("evolution.stop_period_h", 0.0, 1e6).note("and above spin.period_h, or null"),
+];
+
+/// Longest name of a scene, characters.
+const MAX_NAME: usize = 200;
+
+/// The limit of the number at `path`, if it has one.
+pub(super) fn limit(path: &str) -> Option<&'static Limit> {
+    LIMITS.iter().find(|limit| limit.path == path)
+}
+
+/// The first value of `scene` that is not allowed.
+pub(super) fn first_violation(scene: &Scene) -> Option<Violation> {
+    let tree = serde_json::to_value(scene).expect("a scene is plain data with string keys");
+    LIMITS.iter().find_map(|limit| outside(&tree, limit)).or_else(|| inconsistent(scene))
+}
+
+/// The value at the limit's path, if there is one and it is outside.
+fn outside(tree: &Value, limit: &Limit) -> Option<Violation> {
+    let value = limit.path.split('.').try_fold(tree, |node, key| node.get(key))?;
+    let optional = limit.path == "evolution.stop_period_h";
+    let refused = match value.as_f64() {
+        Some(number) => !limit.admits(number),
+        // A NaN or infinity in a scene made by a program is null in JSON.
+        None => !(optional && value.is_null()),
+    };
+    refused.then(|| Violation { path: limit.path.to_owned(), found: value.to_string(), allowed: limit.to_string() })
+}
+
+/// Rules that one number alone cannot break.
+fn inconsistent(scene: &Scene) -> Option<Violation> {
+    let violation =
+        |path: &str, found: String, allowed: String| Some(Violation { path: path.to_owned(), found, allowed });
+    if scene.name.chars().count() > MAX_NAME || scene.name.chars().any(char::is_control) {
+        let allowed = format!("at most {MAX_NAME} characters, none of them a control character");
+        return violation("name", format!("{:?}", scene.name.chars().take(40).collect::<String>()), allowed);
+    }
+    match &scene.body {
+        Body::PackedEllipsoid(body) if body.c_over_a > body.b_over_a => {
+            let allowed = format!("at least 0.1, at most b_over_a = {}", body.b_over_a);
+            return violation("body.packed_ellipsoid.c_over_a", body.c_over_a.to_string(), allowed);
+        }
+        Body::File(file) if file.path.is_empty() => return violation("body.file.path", "\"\"".into(), FILE.into()),
+        Body::CarvedMesh(mesh) if mesh.path.is_empty() => {
+            return violation("body.carved_mesh.path", "\"\"".into(), FILE.into());
+        }
+        _ => {}
+    }
+    let settling = &scene.settling;
+    if settling.max_rotations < settling.rotations {
+        let allowed = format!("at least settling.rotations = {}, at most 10000", settling.rotations);
+        return violation("settling.max_rotations", settling.max_rotations.to_string(), allowed);
+    }
+    if scene.tiling.facets % 2 != 0 {
+        let allowed = limit("tiling.facets").expect("listed above").to_string();
+        return violation("tiling.facets", scene.tiling.facets.to_string(), allowed);
+    }
+    let step = scene.torque.obliquity_step_deg;
+    let nodes = (180.0 / step).round();
+    // 180/0.7 rounds to 257 but 257 steps of 0.7 miss the pole; 1.8 or 0.1 are not exact in binary and must pass.
+    if (nodes * step - 180.0).abs() > 1e-9 {
+        let allowed = limit("torque.obliquity_step_deg").expect("listed above").to_string();
+        return violation("torque.obliquity_step_deg", step.to_string(), allowed);
+    }
+    match scene.evolution.stop_period_h {
+        Some(stop) if stop.is_nan() || stop <= scene.spin.period_h => {
+            let allowed = format!("above spin.period_h = {}, at most 1e6, or null", scene.spin.period_h);
+            violation("evolution.stop_period_h", stop.to_string(), allowed)
+        }
+        _ => None,
+    }
+}
+
+/// What a path in a scene has to name.
+const FILE: &str = "the path of a file, relative to the folder of the scene";

@@ -1,0 +1,168 @@
+//! How sunlight acts on the body of a scene: orbit, surface, sampling of the torque table.
+//!
+//! Defaults are those of Cotto-Figueroa et al. (2015), section 2.6.
+
+use serde::{Deserialize, Serialize};
+
+/// Heliocentric orbit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Orbit {
+    /// Semimajor axis, au [1].
+    pub semimajor_axis_au: f64,
+    /// Eccentricity, 0 to below 1 [0].
+    pub eccentricity: f64,
+}
+
+impl Default for Orbit {
+    fn default() -> Self {
+        Self { semimajor_axis_au: 1.0, eccentricity: 0.0 }
+    }
+}
+
+/// Optical and thermal properties of the surface.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Surface {
+    /// How sunlight is scattered [Hapke, average S-type].
+    pub reflectance: Reflectance,
+    /// Thermal inertia, J m^-2 K^-1 s^-1/2 [0, absorbed light leaves where and when it arrived].
+    pub thermal_inertia: f64,
+    /// Thermal emissivity [0.9]; without thermal inertia it cancels.
+    pub emissivity: f64,
+    /// Whether one part of the body may shade another [true].
+    pub shadows: bool,
+    /// Whether emitted light that meets another part of the body is taken off the recoil [true].
+    pub sky_blockage: bool,
+    /// Whether light from one part of the body heats another [none].
+    pub self_heating: SelfHeating,
+    /// Recoil of boulders that conduct heat through (Golubov & Krugly 2012) [none].
+    pub tangential_yorp: TangentialYorp,
+}
+
+impl Default for Surface {
+    fn default() -> Self {
+        Self {
+            reflectance: Reflectance::default(),
+            thermal_inertia: 0.0,
+            emissivity: 0.9,
+            shadows: true,
+            sky_blockage: true,
+            self_heating: SelfHeating::None,
+            tangential_yorp: TangentialYorp::None,
+        }
+    }
+}
+
+/// How sunlight is scattered.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Reflectance {
+    /// Hapke (2002, Icarus 157, 523) without opposition effect, with macroscopic roughness (Hapke 1984).
+    Hapke(HapkeReflectance),
+    /// Equal radiance in all directions.
+    Lambert(LambertReflectance),
+    /// Black: everything is absorbed.
+    None,
+}
+
+impl Default for Reflectance {
+    fn default() -> Self {
+        Self::Hapke(HapkeReflectance::default())
+    }
+}
+
+/// Hapke parameters; defaults for an average S-type (Helfenstein & Veverka 1989).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct HapkeReflectance {
+    /// Single-scattering albedo w [0.23].
+    pub single_scattering_albedo: f64,
+    /// Mean slope angle of the roughness below facet size, deg [20].
+    pub roughness_deg: f64,
+    /// Asymmetry of the one-term Henyey-Greenstein function in the phase angle; negative scatters back [-0.35].
+    pub asymmetry: f64,
+    /// Multiple-scattering term [h2002].
+    pub multiple_scattering: MultipleScattering,
+}
+
+impl Default for HapkeReflectance {
+    fn default() -> Self {
+        Self {
+            single_scattering_albedo: 0.23,
+            roughness_deg: 20.0,
+            asymmetry: -0.35,
+            multiple_scattering: MultipleScattering::H2002,
+        }
+    }
+}
+
+/// Multiple-scattering term of the Hapke reflectance.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum MultipleScattering {
+    /// Anisotropic (Hapke 2002).
+    #[default]
+    H2002,
+    /// Isotropic (Hapke 1981): `H(mu0) H(mu) - 1`.
+    Imsa,
+}
+
+/// A Lambert surface.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct LambertReflectance {
+    /// Bond albedo [0.1].
+    pub bond_albedo: f64,
+}
+
+impl Default for LambertReflectance {
+    fn default() -> Self {
+        Self { bond_albedo: 0.1 }
+    }
+}
+
+/// Heating of one part of the body by light from another.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum SelfHeating {
+    /// Left out.
+    #[default]
+    None,
+}
+
+/// Tangential YORP.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum TangentialYorp {
+    /// Left out.
+    #[default]
+    None,
+}
+
+/// Sampling of the torque table.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct TorqueOptions {
+    /// Spacing of the obliquity nodes, deg; divides 180 [5].
+    pub obliquity_step_deg: f64,
+    /// Interpolation between the nodes [cubic].
+    pub interpolation: Interpolation,
+}
+
+impl Default for TorqueOptions {
+    fn default() -> Self {
+        Self { obliquity_step_deg: 5.0, interpolation: Interpolation::Cubic }
+    }
+}
+
+/// Interpolation of the torque table in obliquity.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Interpolation {
+    /// Cubic spline that keeps the symmetry at the poles.
+    #[default]
+    Cubic,
+    /// Straight lines, as in the paper.
+    Linear,
+}
