@@ -17,4 +17,14 @@ pub enum PkdError {
         /// The value found.
         value: f64,
     },
+    /// A parameter outside its allowed range.
+    #[error("{name} is {value}, allowed: {allowed}")]
+    BadParameter {
+        /// Which parameter.
+        name: &'static str,
+        /// The value found.
+        value: f64,
+        /// What would be accepted, in words.
+        allowed: &'static str,
+    },
 }

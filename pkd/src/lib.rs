@@ -5,7 +5,9 @@
 
 pub mod constants;
 mod error;
+pub mod frame;
 pub mod gravity;
+pub mod mass_properties;
 mod spheres;
 
 pub use error::PkdError;

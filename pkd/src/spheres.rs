@@ -73,6 +73,18 @@ impl Spheres {
         [self.wx[i], self.wy[i], self.wz[i]]
     }
 
+    /// Overwrites centre (m), velocity (m/s) and spin (rad/s) of sphere `i`.
+    pub fn set(&mut self, i: usize, r: [f64; 3], v: [f64; 3], w: [f64; 3]) {
+        [self.x[i], self.y[i], self.z[i]] = r;
+        [self.vx[i], self.vy[i], self.vz[i]] = v;
+        [self.wx[i], self.wy[i], self.wz[i]] = w;
+    }
+
+    /// The arrays of centre coordinates x, y, z, m.
+    pub fn coordinates(&self) -> [&[f64]; 3] {
+        [&self.x, &self.y, &self.z]
+    }
+
     /// Total mass, kg, summed in index order.
     pub fn total_mass(&self) -> f64 {
         self.mass.iter().sum()
