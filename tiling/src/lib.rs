@@ -3,6 +3,11 @@
 //! SI units and `f64` throughout.
 #![warn(missing_docs)]
 
+mod error;
 pub mod mesh;
+pub mod solid;
+pub mod topology;
 
+pub use error::TilingError;
 pub use mesh::Mesh;
+pub use solid::{PrincipalAxes, Solid};

@@ -1,0 +1,89 @@
+//! What can go wrong with a mesh or its fit.
+//!
+//! Facets and vertices are numbered from 0 in the fields and from 1, as in OBJ files, in the messages.
+
+/// Why a mesh was refused or could not be made.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum TilingError {
+    /// No vertex or no facet.
+    #[error("the mesh has {vertices} vertices and {facets} facets; a closed body needs at least 4 of each")]
+    Empty {
+        /// Vertices found.
+        vertices: usize,
+        /// Facets found.
+        facets: usize,
+    },
+    /// A facet refers to a vertex that does not exist.
+    #[error("facet {} refers to vertex {}, but there are {vertices}", facet + 1, u64::from(*vertex) + 1)]
+    MissingVertex {
+        /// The facet.
+        facet: usize,
+        /// The vertex it names.
+        vertex: u32,
+        /// Vertices there are.
+        vertices: usize,
+    },
+    /// A coordinate that is NaN or infinite.
+    #[error("vertex {}: coordinate {} is {value}, which must be finite", vertex + 1, ["x", "y", "z"][*axis])]
+    NonFinite {
+        /// The vertex.
+        vertex: usize,
+        /// 0, 1, 2 for x, y, z.
+        axis: usize,
+        /// The value found, m.
+        value: f64,
+    },
+    /// Facets without area: repeated or collinear corners.
+    #[error("degenerate mesh: no area in {}", list("facet", facets))]
+    Degenerate {
+        /// The facets.
+        facets: Vec<usize>,
+    },
+    /// Edges with a facet on one side only.
+    #[error("open mesh: a hole beside {} ({edges} edges have one facet instead of two)", list("facet", facets))]
+    Open {
+        /// Number of such edges.
+        edges: usize,
+        /// The facets at these edges, ascending.
+        facets: Vec<usize>,
+    },
+    /// Edges with three facets or more.
+    #[error("not a surface: {edges} edges have more than two facets, at {}", list("facet", facets))]
+    NonManifold {
+        /// Number of such edges.
+        edges: usize,
+        /// The facets at these edges, ascending.
+        facets: Vec<usize>,
+    },
+    /// Edges that both facets run through in the same direction.
+    #[error(
+        "inconsistent orientation: neighbours turn opposite ways across {edges} edges, at {}",
+        list("facet", facets)
+    )]
+    Orientation {
+        /// Number of such edges.
+        edges: usize,
+        /// The facets at these edges, ascending.
+        facets: Vec<usize>,
+    },
+    /// All normals point inward, or the body is flat.
+    #[error(
+        "inside-out mesh: the enclosed volume is {volume_m3} m^3 and must be positive (facets counter-clockwise seen from outside)"
+    )]
+    InsideOut {
+        /// Signed volume, m^3.
+        volume_m3: f64,
+    },
+}
+
+/// `facet 3`, `facets 1, 2, 9`, `facets 1, 2, ... and 90 more`, counted from 1.
+fn list(noun: &str, indices: &[usize]) -> String {
+    const SHOWN: usize = 8;
+    let shown = indices.iter().take(SHOWN).map(|i| (i + 1).to_string()).collect::<Vec<_>>().join(", ");
+    let plural = if indices.len() == 1 { "" } else { "s" };
+    match indices.len().saturating_sub(SHOWN) {
+        0 => format!("{noun}{plural} {shown}"),
+        more => format!("{noun}{plural} {shown} and {more} more"),
+    }
+}
