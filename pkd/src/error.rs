@@ -27,4 +27,10 @@ pub enum PkdError {
         /// What would be accepted, in words.
         allowed: &'static str,
     },
+    /// A derived quantity that left the range of `f64`.
+    #[error("the {quantity} of the aggregate is not finite: coordinates or masses are out of range")]
+    NotFinite {
+        /// Which quantity.
+        quantity: &'static str,
+    },
 }

@@ -3,11 +3,15 @@
 //! SI units and `f64` throughout. Nothing here knows of sunlight, files or the command line.
 #![warn(missing_docs)]
 
+mod cells;
+pub mod clusters;
 pub mod constants;
+pub mod effective_potential;
 mod error;
 pub mod frame;
 pub mod gravity;
 pub mod mass_properties;
+pub mod rigid_fit;
 mod spheres;
 
 pub use error::PkdError;

@@ -40,7 +40,7 @@ pub struct MassProperties {
 /// Mass properties of `spheres`.
 ///
 /// # Errors
-/// Whatever [`Spheres::validate`] finds.
+/// Whatever [`Spheres::validate`] finds, and [`PkdError::NotFinite`] where the inertia tensor overflows.
 pub fn mass_properties(spheres: &Spheres) -> Result<MassProperties, PkdError> {
     spheres.validate()?;
     let indices = 0..spheres.len();
@@ -63,6 +63,10 @@ pub fn mass_properties(spheres: &Spheres) -> Result<MassProperties, PkdError> {
         kinetic_energy += 0.5 * m * v.norm_squared() + 0.5 * own * w.norm_squared();
     }
 
+    // The eigenvalue iteration need not end on values that are not finite.
+    if !inertia.norm().is_finite() {
+        return Err(PkdError::NotFinite { quantity: "inertia tensor" });
+    }
     let (moments, axes) = principal_axes(&inertia, &angular_momentum);
     let mut half_extents = Vector3::zeros();
     for k in 0..3 {
@@ -230,5 +234,9 @@ mod tests {
         let mut bad = Spheres::default();
         bad.push([0.0; 3], [0.0; 3], [0.0; 3], -1.0, 1.0);
         assert!(matches!(mass_properties(&bad), Err(PkdError::BadValue { column: "mass", .. })));
+        let mut vast = Spheres::default();
+        vast.push([1e200, 0.0, 0.0], [0.0; 3], [0.0; 3], 1.0, 1.0);
+        vast.push([-1e200, 0.0, 0.0], [0.0; 3], [0.0; 3], 1.0, 1.0);
+        assert_eq!(mass_properties(&vast), Err(PkdError::NotFinite { quantity: "inertia tensor" }));
     }
 }
