@@ -2,6 +2,8 @@
 //!
 //! Facets and vertices are numbered from 0 in the fields and from 1, as in OBJ files, in the messages.
 
+use crate::obj::ObjFault;
+
 /// Why a mesh was refused or could not be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -74,6 +76,14 @@ pub enum TilingError {
     InsideOut {
         /// Signed volume, m^3.
         volume_m3: f64,
+    },
+    /// A line of an OBJ file that is not understood.
+    #[error("line {line}: {fault}")]
+    Obj {
+        /// The line, from 1; the first one of a statement continued with a backslash.
+        line: usize,
+        /// What is wrong with it.
+        fault: ObjFault,
     },
 }
 

@@ -5,6 +5,7 @@
 
 mod error;
 pub mod mesh;
+pub mod obj;
 pub mod solid;
 pub mod topology;
 
