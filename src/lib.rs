@@ -4,4 +4,5 @@
 //! SI units and `f64` inside; a name that is not SI carries its unit.
 #![warn(missing_docs)]
 
+pub mod cli;
 pub mod scene;

@@ -1,1 +1,5 @@
-fn main() {}
+//! The `yorp` program: everything is in the library.
+
+fn main() -> std::process::ExitCode {
+    yorp::cli::main().into()
+}

@@ -56,7 +56,7 @@ pub enum SceneError {
     #[error("{at}: broken JSON at `{path}`: {message}")]
     Syntax {
         /// Where.
-        at: Location,
+        at: Box<Location>,
         /// Path of the innermost key that was reached.
         path: String,
         /// What the parser said.
@@ -66,7 +66,7 @@ pub enum SceneError {
     #[error("{at}: `{path}`: {message}")]
     Structure {
         /// Where.
-        at: Location,
+        at: Box<Location>,
         /// Path of the key.
         path: String,
         /// What was found, and what is allowed.
@@ -76,7 +76,7 @@ pub enum SceneError {
     #[error("{at}: `{path}` is {found}; allowed: {allowed}")]
     Value {
         /// Where.
-        at: Location,
+        at: Box<Location>,
         /// Path of the key.
         path: String,
         /// The value found.
@@ -90,7 +90,7 @@ pub enum SceneError {
     )]
     Missing {
         /// Where.
-        at: Location,
+        at: Box<Location>,
         /// Path of the key.
         path: String,
         /// The value found.

@@ -169,7 +169,7 @@ fn inconsistent(scene: &Scene) -> Option<Violation> {
         let allowed = format!("at least settling.rotations = {}, at most 10000", settling.rotations);
         return violation("settling.max_rotations", settling.max_rotations.to_string(), allowed);
     }
-    if scene.tiling.facets % 2 != 0 {
+    if !scene.tiling.facets.is_multiple_of(2) {
         let allowed = limit("tiling.facets").expect("listed above").to_string();
         return violation("tiling.facets", scene.tiling.facets.to_string(), allowed);
     }

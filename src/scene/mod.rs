@@ -10,6 +10,7 @@ mod dynamics;
 mod error;
 mod evolution;
 mod limits;
+mod plan;
 mod position;
 mod radiation;
 mod read;
@@ -24,6 +25,7 @@ pub use dynamics::{
 };
 pub use error::{Location, SceneError};
 pub use evolution::{Evolution, MovementRule, TilingOptions};
+pub use plan::{Part, Plan};
 pub use radiation::{
     HapkeReflectance, Interpolation, LambertReflectance, MultipleScattering, Orbit, Reflectance, SelfHeating, Surface,
     TangentialYorp, TorqueOptions,

@@ -37,7 +37,7 @@ pub(super) fn find(text: &str, path: &[Step]) -> Option<Found> {
 
 /// Line and column (characters, both from 1) of a byte offset.
 pub(super) fn line_column(text: &str, offset: usize) -> (usize, usize) {
-    let before = &text[..text.floor_char_boundary(offset)];
+    let before = &text[..character_start(text, offset)];
     let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
     (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1)
 }
@@ -45,7 +45,12 @@ pub(super) fn line_column(text: &str, offset: usize) -> (usize, usize) {
 /// Byte offset of a line and column (bytes, both from 1), as `serde_json` counts them.
 pub(super) fn offset(text: &str, line: usize, column: usize) -> usize {
     let start: usize = text.split_inclusive('\n').take(line.saturating_sub(1)).map(str::len).sum();
-    text.floor_char_boundary((start + column.saturating_sub(1)).min(text.len()))
+    character_start(text, start + column.saturating_sub(1))
+}
+
+/// The largest offset not above `offset` at which a character of `text` begins or the text ends.
+fn character_start(text: &str, offset: usize) -> usize {
+    (0..=offset.min(text.len())).rev().find(|at| text.is_char_boundary(*at)).unwrap_or(0)
 }
 
 struct Cursor<'a> {

@@ -80,9 +80,15 @@ impl Scene {
     /// ```
     pub fn parse(text: &str, file: &Path) -> Result<Self, SceneError> {
         let mut parser = serde_json::Deserializer::from_str(text);
-        let scene: Self =
-            serde_path_to_error::deserialize(&mut parser).map_err(|error| parse_error(text, file, &error))?;
-        parser.end().map_err(|error| syntax_error(text, file, ".".to_owned(), &error))?;
+        let parsed = serde_path_to_error::deserialize(&mut parser);
+        // A missing brace makes keys look unknown, so broken JSON is reported before anything that may follow from it.
+        if let Err(broken) = serde_json::from_str::<serde::de::IgnoredAny>(text) {
+            let reached =
+                parsed.err().filter(|error: &serde_path_to_error::Error<serde_json::Error>| !error.inner().is_data());
+            let path = reached.map_or(".".to_owned(), |error| error.path().to_string());
+            return Err(syntax_error(text, file, path, &broken));
+        }
+        let scene: Self = parsed.map_err(|error| parse_error(text, file, &error))?;
         match first_violation(&scene) {
             None => Ok(scene),
             Some(violation) => Err(SceneError::Value {
@@ -152,12 +158,12 @@ fn keys(path: &str) -> Vec<Step> {
 }
 
 /// The place of the value at `path`, or of its nearest ancestor in the text when it was left to its default.
-fn locate(text: &str, file: &Path, path: &[Step]) -> Location {
+fn locate(text: &str, file: &Path, path: &[Step]) -> Box<Location> {
     let nearest = (0..=path.len()).rev().find_map(|length| find(text, &path[..length]));
     location(text, file, nearest.map_or(0, |found| found.value))
 }
 
-fn location(text: &str, file: &Path, offset: usize) -> Location {
+fn location(text: &str, file: &Path, offset: usize) -> Box<Location> {
     let (line, column) = line_column(text, offset);
-    Location { file: file.to_owned(), line, column, offset, text: Arc::from(text) }
+    Box::new(Location { file: file.to_owned(), line, column, offset, text: Arc::from(text) })
 }

@@ -1,0 +1,73 @@
+//! The command line: parses arguments, calls the library, prints.
+//!
+//! Results go to stdout, at the end and only on success; everything else goes to stderr.
+
+pub mod error;
+mod output;
+mod plan;
+mod schema;
+
+use clap::{Parser, Subcommand};
+
+pub use error::{CliError, Failure};
+
+/// Coupled spin and shape evolution of rubble-pile asteroids under sunlight.
+#[derive(Debug, Parser)]
+#[command(name = "yorp", version, arg_required_else_help = true)]
+struct Cli {
+    /// Worker threads; results do not depend on it [default: RAYON_NUM_THREADS, else all cores]
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=4096))]
+    threads: Option<u16>,
+    /// Print exactly one JSON object on stdout
+    #[arg(long, global = true)]
+    json: bool,
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Show what a scene would run, what is left out, and why
+    Plan(plan::Arguments),
+    /// Print the JSON Schema of a scene
+    Schema,
+}
+
+/// Runs the command line of this process; the result is its exit code.
+pub fn main() -> u8 {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => {
+            // Help and version are no errors and go to stdout; a closed pipe is no failure.
+            let _ = error.print();
+            return if error.use_stderr() { Failure::Input as u8 } else { 0 };
+        }
+    };
+    install_report_style();
+    match execute(&cli) {
+        Ok(()) => 0,
+        Err(error) => {
+            eprintln!("{:?}", error.report);
+            error.code as u8
+        }
+    }
+}
+
+fn execute(cli: &Cli) -> Result<(), CliError> {
+    if let Some(threads) = cli.threads {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
+        pool.build_global().map_err(CliError::input)?;
+    }
+    match &cli.command {
+        Command::Plan(arguments) => plan::run(arguments, cli.json),
+        Command::Schema => schema::run(),
+    }
+}
+
+/// Reports keep every message on one line, so that a path or a range in it can be searched for.
+fn install_report_style() {
+    let style = |_: &_| -> Box<dyn miette::ReportHandler> {
+        Box::new(miette::MietteHandlerOpts::new().wrap_lines(false).break_words(false).build())
+    };
+    miette::set_hook(Box::new(style)).expect("installed once, before any report");
+}

@@ -1,0 +1,133 @@
+//! `yorp run`: the coupled evolution of a scene in a run directory.
+
+use std::path::PathBuf;
+
+use serde_json::{Map, Value, json};
+
+use super::progress::Reporter;
+use super::{CliError, output};
+use crate::evolve::driver::{MYR_S, Summary, run as evolve};
+use crate::scene::SceneFile;
+use crate::store::Part;
+
+/// Arguments of `yorp run`.
+#[derive(Debug, clap::Args)]
+pub(super) struct Arguments {
+    /// The scene file
+    scene: PathBuf,
+    /// The run directory: absent or without a run, unless --resume is given
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Continue the run in the directory; starts one if there is none
+    #[arg(long)]
+    resume: bool,
+    /// Stop at this time, Myr; 0 builds and settles only [default: evolution.duration_myr]
+    #[arg(long, value_name = "T", value_parser = super::finite_non_negative)]
+    until_myr: Option<f64>,
+}
+
+pub(super) fn run(arguments: &Arguments, as_json: bool) -> Result<(), CliError> {
+    let scene = SceneFile::read(&arguments.scene)?;
+    let mut reporter = Reporter::start()?;
+    let result = evolve(&scene, &arguments.out, arguments.resume, arguments.until_myr, &mut reporter);
+    drop(reporter);
+    let summary = result?;
+    if as_json { output::json(&as_value(&summary)) } else { output::text(&as_text(&summary, arguments)) }
+}
+
+fn period_h(summary: &Summary) -> Option<f64> {
+    (summary.ending.omega > 0.0).then(|| std::f64::consts::TAU / summary.ending.omega / 3600.0)
+}
+
+fn as_value(summary: &Summary) -> Value {
+    let totals = &summary.totals;
+    let parts: Map<_, _> = totals
+        .parts
+        .iter()
+        .map(|(part, total)| {
+            let mut entry = json!({"seconds": total.seconds, "cpu_seconds": total.cpu_seconds, "count": total.count});
+            match part {
+                Part::Check | Part::Movement => {
+                    entry["error"] = json!({
+                        "momentum_drift": totals.momentum_drift,
+                        "angular_momentum_drift": totals.angular_momentum_drift,
+                        "max_overlap_over_radius": totals.max_overlap_radii,
+                    });
+                }
+                Part::Torque => {
+                    entry["error"] = match totals.torque_error {
+                        Some((spin, obliquity)) => {
+                            json!({"spin_torque_n_m": spin, "obliquity_torque_n_m": obliquity})
+                        }
+                        None => Value::Null,
+                    };
+                }
+                Part::Spin => entry["error"] = json!({"spin_rate_relative": totals.spin_error}),
+                Part::Tiling => entry["error"] = json!({"vertices_flagged": totals.vertices_flagged}),
+                Part::Build | Part::Settle | Part::Store => {}
+            }
+            (part.name().to_owned(), entry)
+        })
+        .collect();
+    json!({
+        "t_myr": summary.ending.t_s / MYR_S,
+        "period_h": period_h(summary),
+        "obliquity_deg": summary.ending.obliquity.to_degrees(),
+        "legs": summary.legs,
+        "intervals": totals.intervals,
+        "movements": totals.movements,
+        "shed_mass_fraction": totals.shed_mass_fraction,
+        "outcome": summary.ending.outcome.name(),
+        "seconds": totals.seconds,
+        "cpu_seconds": totals.cpu_seconds,
+        "parts": parts,
+    })
+}
+
+fn as_text(summary: &Summary, arguments: &Arguments) -> String {
+    use std::fmt::Write as _;
+    let (ending, totals) = (&summary.ending, &summary.totals);
+    let mut text = String::new();
+    let period = period_h(summary).map_or("none".to_owned(), |p| format!("{p:.4} h"));
+    let _ = writeln!(
+        text,
+        "{:.4} Myr, outcome {}: period {period}, obliquity {:.2} deg",
+        ending.t_s / MYR_S,
+        ending.outcome.name(),
+        ending.obliquity.to_degrees(),
+    );
+    let _ = writeln!(
+        text,
+        "{} legs, {} movements, {:.2} % of the mass shed, {:.1} s ({:.1} CPU s)",
+        summary.legs,
+        totals.movements,
+        100.0 * totals.shed_mass_fraction,
+        totals.seconds,
+        totals.cpu_seconds,
+    );
+    let _ = writeln!(text, "\n{:<10}{:>12}{:>12}{:>8}  error", "part", "seconds", "CPU s", "count");
+    for (part, total) in &totals.parts {
+        let error = match part {
+            Part::Check | Part::Movement => format!(
+                "angular momentum {:.1e}, momentum {:.1e}, overlap {:.1e} R",
+                totals.angular_momentum_drift, totals.momentum_drift, totals.max_overlap_radii
+            ),
+            Part::Torque => totals
+                .torque_error
+                .map_or(String::new(), |(s, o)| format!("spin {s:.1e} N m, obliquity {o:.1e} N m (latest shape)")),
+            Part::Spin => format!("spin rate {:.1e} relative per leg", totals.spin_error),
+            Part::Tiling => totals.vertices_flagged.map_or(String::new(), |n| format!("{n} vertices off the normal")),
+            Part::Build | Part::Settle | Part::Store => String::new(),
+        };
+        let _ = writeln!(
+            text,
+            "{:<10}{:>12.3}{:>12.3}{:>8}  {error}",
+            part.name(),
+            total.seconds,
+            total.cpu_seconds,
+            total.count
+        );
+    }
+    let _ = writeln!(text, "\nrecorded in {}", arguments.out.join("run.sqlite").display());
+    text
+}

@@ -1,0 +1,206 @@
+//! What a scene will run: which physics is on, with which method, and what is left out and why.
+//!
+//! Derived once, from the scene alone. What is left out costs neither time nor memory: the kernels are specialised for
+//! it, so the plan is also a promise about them.
+
+use serde::Serialize;
+
+use super::{Body, Contact, Interpolation, MovementRule, Packing, Reflectance, Scene};
+
+/// What a scene will run.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Plan {
+    /// Name of the scene.
+    pub name: String,
+    /// Every part of the physics, in the order in which a run meets it.
+    pub parts: Vec<Part>,
+}
+
+/// One part of the physics.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Part {
+    /// What it is.
+    pub name: &'static str,
+    /// Whether it is computed.
+    pub on: bool,
+    /// How it is computed; `None` if it is left out.
+    pub method: Option<String>,
+    /// Why so.
+    pub reason: String,
+}
+
+fn on(name: &'static str, method: impl Into<String>, reason: impl Into<String>) -> Part {
+    Part { name, on: true, method: Some(method.into()), reason: reason.into() }
+}
+
+fn off(name: &'static str, reason: impl Into<String>) -> Part {
+    Part { name, on: false, method: None, reason: reason.into() }
+}
+
+impl Plan {
+    /// The plan of `scene`.
+    pub fn of(scene: &Scene) -> Self {
+        let Contact::HardSphere(contact) = &scene.contact;
+        let mut parts = vec![body(&scene.body)];
+        parts.push(on(
+            "gravity",
+            "direct sum over pairs",
+            "exact to round-off and fast at these numbers of spheres; gravity.force_error is not needed",
+        ));
+        parts.push(on(
+            "contacts",
+            format!("hard spheres, events within steps of {} s", contact.step_s),
+            "contact.hard_sphere",
+        ));
+        parts.push(if contact.restitution_tangential == 1.0 {
+            off("sphere spins", "restitution_tangential = 1: without friction nothing changes them")
+        } else {
+            on("sphere spins", "carried through every impact", "restitution_tangential is not 1")
+        });
+        parts.push(if contact.slide_limit == 0.0 {
+            off("slide limit", "slide_limit = 0")
+        } else {
+            on("slide limit", format!("below {} of the escape speed", contact.slide_limit), "lets slow contacts slide")
+        });
+        parts.push(if contact.collapse_limit == 0.0 {
+            off("collapse limit", "collapse_limit = 0; max_collisions_per_sphere still ends bouncing")
+        } else {
+            on(
+                "collapse limit",
+                format!("below {} of the radius", contact.collapse_limit),
+                "ends bouncing that would never end",
+            )
+        });
+        parts.push(on(
+            "settling",
+            format!("blocks of {} rotations, at most {}", scene.settling.rotations, scene.settling.max_rotations),
+            "a body that still shifts has no torque of its own",
+        ));
+        parts.push(on(
+            "tiling",
+            format!("{} facets on {} vertices", scene.tiling.facets, scene.tiling.vertices()),
+            format!("exponent {}, level {}", scene.tiling.exponent, scene.tiling.level),
+        ));
+        radiation(scene, &mut parts);
+        evolution(scene, &mut parts);
+        Self { name: scene.name.clone(), parts }
+    }
+}
+
+fn body(body: &Body) -> Part {
+    match body {
+        Body::PackedEllipsoid(packing) => on(
+            "body",
+            format!("random packing of {} spheres of {} m", packing.spheres, packing.radius_m),
+            format!("ellipsoid, b/a = {}, c/a = {}", packing.b_over_a, packing.c_over_a),
+        ),
+        Body::File(file) => on("body", format!("the spheres in {}", file.path), "taken as they are"),
+        Body::CarvedMesh(mesh) => {
+            let arrangement = match mesh.packing {
+                Packing::Random(_) => "random",
+                Packing::Hcp(_) => "hexagonal close",
+            };
+            let radius = mesh.packing.spheres().radius_m;
+            on("body", format!("{arrangement} packing of spheres of {radius} m"), format!("carved by {}", mesh.path))
+        }
+    }
+}
+
+/// What sunlight does.
+fn radiation(scene: &Scene, parts: &mut Vec<Part>) {
+    let surface = &scene.surface;
+    parts.push(match &surface.reflectance {
+        Reflectance::None => off("reflected light", "reflectance is none: the surface is black"),
+        Reflectance::Hapke(hapke) if hapke.single_scattering_albedo == 0.0 => {
+            off("reflected light", "single_scattering_albedo = 0: the surface is black")
+        }
+        Reflectance::Lambert(lambert) if lambert.bond_albedo == 0.0 => {
+            off("reflected light", "bond_albedo = 0: the surface is black")
+        }
+        Reflectance::Hapke(_) => {
+            on("reflected light", "Hapke, from tables in the incidence angle", "the recoil depends on that angle alone")
+        }
+        Reflectance::Lambert(_) => on("reflected light", "Lambert, in closed form", "surface.reflectance"),
+    });
+    parts.push(on("thermal recoil", "Lambertian emission where and when light is absorbed", "zero thermal inertia"));
+    parts.push(if surface.shadows {
+        on("shadows", "horizon map of every facet's centroid", "skipped at run time while the surface is convex")
+    } else {
+        off("shadows", "surface.shadows is false")
+    });
+    parts.push(if surface.sky_blockage {
+        on("sky blockage", "integrals over the same horizon map", "skipped at run time while the surface is convex")
+    } else {
+        off("sky blockage", "surface.sky_blockage is false")
+    });
+    parts.push(off("heat conduction", "thermal_inertia = 0: one table serves all spin rates, emissivity cancels"));
+    parts.push(off("self-heating", "surface.self_heating is none"));
+    parts.push(off("tangential YORP", "surface.tangential_yorp is none"));
+    parts.push(off(
+        "orbital anomaly",
+        if scene.orbit.eccentricity == 0.0 {
+            "the orbit is a circle"
+        } else {
+            "without heat storage an eccentric orbit only scales the torques by 1/sqrt(1 - e^2)"
+        },
+    ));
+}
+
+/// How spin and shape go on from there.
+fn evolution(scene: &Scene, parts: &mut Vec<Part>) {
+    let evolution = &scene.evolution;
+    let interpolation = match scene.torque.interpolation {
+        Interpolation::Cubic => "cubic",
+        Interpolation::Linear => "linear",
+    };
+    parts.push(on(
+        "spin evolution",
+        format!("fourth-order Runge-Kutta, steps of {} yr, to {} Myr", evolution.rk4_step_yr, evolution.duration_myr),
+        format!("{interpolation} in obliquity, nodes every {} deg", scene.torque.obliquity_step_deg),
+    ));
+    let rule = match evolution.movement_rule {
+        MovementRule::Robust => "robust",
+        MovementRule::Literal => "literal",
+    };
+    parts.push(on(
+        "movement detection",
+        format!("rigid fit with {rule} exclusion at {} of the radius", evolution.movement_radius_fraction),
+        format!("after every change of the spin rate by {}", evolution.spin_change),
+    ));
+    parts.push(match evolution.stop_period_h {
+        Some(period) => on("stop when spun down", format!("beyond {period} h"), "evolution.stop_period_h"),
+        None => off("stop when spun down", "evolution.stop_period_h is null"),
+    });
+    parts.push(off(
+        "orbits of shed spheres",
+        "shed.track is none: they are removed and recorded, REBOUND is never started",
+    ));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{FileBody, HapkeReflectance};
+
+    fn part(scene: &Scene, name: &str) -> Part {
+        Plan::of(scene).parts.into_iter().find(|part| part.name == name).unwrap()
+    }
+
+    #[test]
+    fn frictionless_spheres_carry_no_spin() {
+        let mut scene = Scene::from_body(Body::File(FileBody { path: "a.csv".into() }));
+        assert!(part(&scene, "sphere spins").on);
+        let Contact::HardSphere(contact) = &mut scene.contact;
+        contact.restitution_tangential = 1.0;
+        assert!(!part(&scene, "sphere spins").on);
+    }
+
+    #[test]
+    fn a_black_surface_reflects_nothing() {
+        let mut scene = Scene::from_body(Body::File(FileBody { path: "a.csv".into() }));
+        assert!(part(&scene, "reflected light").on);
+        let black = HapkeReflectance { single_scattering_albedo: 0.0, ..HapkeReflectance::default() };
+        scene.surface.reflectance = Reflectance::Hapke(black);
+        assert!(!part(&scene, "reflected light").on);
+    }
+}
