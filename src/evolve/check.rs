@@ -1,0 +1,92 @@
+//! Whether an aggregate bears a new spin rate: it is given the spin, evolves at constant angular momentum, and is
+//! compared with its present configuration.
+
+use nalgebra::Vector3;
+use pkd::hard_sphere::HardSphere;
+use pkd::{add_spin, mass_properties};
+
+use super::block::{Aggregate, add_dynamics, evolve_block, positions};
+use super::movement::{Movement, detect};
+use super::observer::{Observer, Progress};
+use super::shedding::Departures;
+use super::EvolveError;
+use crate::scene::Scene;
+use crate::store::{ConfigurationRecord, DynamicsRecord, State};
+
+/// How the aggregate answered.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Check {
+    /// The aggregate afterwards, without what left it.
+    pub body: Aggregate,
+    /// The rigid motion from the configuration to the aggregate and who departed from it; `None` if nothing moved.
+    pub movement: Option<Movement>,
+    /// Work and conservation.
+    pub dynamics: DynamicsRecord,
+    /// Whether the last block was without movement.
+    pub settled: bool,
+    /// What left, block by block.
+    pub departures: Vec<Departures>,
+}
+
+/// Gives the aggregate of `state` the spin rate `omega` (rad/s, about its axis of largest moment) and evolves it until
+/// nothing differs from `configuration` or, if something does, until a block of rotations shows no further movement.
+///
+/// # Errors
+/// The integration failed, or the observer asked to stop.
+pub fn check_spin(
+    engine: &mut HardSphere,
+    scene: &Scene,
+    state: &State,
+    omega: f64,
+    configuration: &ConfigurationRecord,
+    observer: &mut dyn Observer,
+    progress: Progress,
+) -> Result<Check, EvolveError> {
+    let mut body = Aggregate { spheres: state.spheres.clone(), ids: state.sphere_ids.clone() };
+    let properties = mass_properties(&body.spheres)?;
+    let axis = Vector3::from(properties.axes.column(2));
+    let present = properties.angular_momentum.dot(&axis) / properties.moments.z;
+    add_spin(&mut body.spheres, axis * (omega - present))?;
+
+    let settling = &scene.settling;
+    let fraction = scene.evolution.movement_radius_fraction;
+    let mut dynamics = DynamicsRecord::default();
+    let mut departures = Vec::new();
+    loop {
+        let rotations = settling.rotations.min(settling.max_rotations - dynamics.rotations);
+        let mut after_rotation = |_, observer: &mut dyn Observer| observer.progress(progress);
+        let block = evolve_block(engine, &mut body, rotations, fraction, observer, &mut after_rotation)?;
+        add_dynamics(&mut dynamics, &block.dynamics);
+        let quiet = block.moved == 0 && block.departures.spheres.is_empty();
+        let over = block.departures.breakup.is_some() || dynamics.rotations >= settling.max_rotations;
+        if !block.departures.spheres.is_empty() {
+            departures.push(block.departures);
+        }
+        let movement = movement(scene, configuration, &body)?;
+        let moved = movement.moved_count() > 0 || !departures.is_empty();
+        if !moved || quiet || over {
+            let movement = moved.then_some(movement);
+            return Ok(Check { body, movement, dynamics, settled: quiet || !moved, departures });
+        }
+    }
+}
+
+/// Compares `body` with the present configuration, sphere by sphere among those that are in both.
+fn movement(scene: &Scene, configuration: &ConfigurationRecord, body: &Aggregate) -> Result<Movement, EvolveError> {
+    let mut ids = body.ids.iter().peekable();
+    let reference: Vec<[f64; 3]> = configuration
+        .sphere_ids
+        .iter()
+        .zip(&configuration.positions)
+        .filter(|(id, _)| ids.next_if_eq(id).is_some())
+        .map(|(_, position)| *position)
+        .collect();
+    let evolution = &scene.evolution;
+    Ok(detect(
+        &reference,
+        &positions(&body.spheres),
+        &body.spheres.radius,
+        evolution.movement_radius_fraction,
+        evolution.movement_rule,
+    )?)
+}

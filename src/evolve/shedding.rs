@@ -1,0 +1,201 @@
+//! Which spheres have left the body at the end of a block.
+//!
+//! Spheres form clusters by contact; the heaviest is the body. Another cluster has left when its two-body energy
+//! relative to the body is positive, when it is beyond two long semi-axes, or when it was already off the body at the
+//! block's start, that is airborne for a whole block (section 3.3 and the appendix of Cotto-Figueroa et al. 2015; the
+//! numbers are ours). What is lofted for a shorter time and lands is a movement, not a loss.
+
+use nalgebra::Vector3;
+use pkd::clusters::contact_clusters;
+use pkd::{Spheres, mass_properties, recentre};
+
+use super::EvolveError;
+use super::block::Aggregate;
+
+/// Spheres closer than this gap, in radii of the smaller one, count as touching.
+const CONTACT_GAP_RADII: f64 = 0.05;
+/// A cluster farther from the body than this many of its long semi-axes has left.
+const FAR_SEMIAXES: f64 = 2.0;
+/// A departing cluster with at least this share of the mass is the other half of a fission.
+const FISSION_MASS_FRACTION: f64 = 0.1;
+/// A body with less than this share of the mass is what is left of a disruption.
+const DISRUPTED_MASS_FRACTION: f64 = 0.5;
+
+/// One sphere that leaves; position and velocity relative to the body's centre of mass, inertial axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Departure {
+    /// Row in the run's list of spheres.
+    pub sphere: u32,
+    /// Position, m.
+    pub position: [f64; 3],
+    /// Velocity, m/s.
+    pub velocity: [f64; 3],
+    /// Spin, rad/s.
+    pub spin: [f64; 3],
+    /// Two-body energy of its cluster relative to the body, J/kg.
+    pub energy_j_kg: f64,
+}
+
+/// How a body broke up for good.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Breakup {
+    /// A cluster of at least a tenth of the mass left.
+    Fission,
+    /// The body holds less than half of the mass.
+    Disrupted,
+}
+
+/// What leaves at the end of a block.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Departures {
+    stays: Vec<bool>,
+    /// The spheres that leave, in index order.
+    pub spheres: Vec<Departure>,
+    /// Set if what leaves is so heavy that the run ends.
+    pub breakup: Option<Breakup>,
+}
+
+impl Departures {
+    /// For each sphere of the block whether it stays.
+    pub fn stays(&self) -> &[bool] {
+        &self.stays
+    }
+
+    /// Takes the departed spheres out of `aggregate` and puts the rest to its centre of mass.
+    ///
+    /// # Errors
+    /// None in practice: the body is never empty.
+    pub fn remove_from(&self, aggregate: &mut Aggregate) -> Result<(), EvolveError> {
+        if self.spheres.is_empty() {
+            return Ok(());
+        }
+        aggregate.spheres = aggregate.spheres.filtered(&self.stays);
+        let mut stays = self.stays.iter();
+        aggregate.ids.retain(|_| stays.next().copied().unwrap_or(false));
+        recentre(&mut aggregate.spheres)?;
+        Ok(())
+    }
+}
+
+/// Finds what leaves `aggregate`, which was `start` at the beginning of the block.
+///
+/// # Errors
+/// A sphere that is not finite.
+pub fn departures(start: &Spheres, aggregate: &Aggregate) -> Result<Departures, EvolveError> {
+    let spheres = &aggregate.spheres;
+    let clusters = contact_clusters(spheres, CONTACT_GAP_RADII);
+    let mut found = Departures { stays: vec![true; spheres.len()], spheres: Vec::new(), breakup: None };
+    let [main, others @ ..] = clusters.as_slice() else { return Ok(found) };
+    if others.is_empty() {
+        return Ok(found);
+    }
+    let main = members(spheres, main);
+    let body = mass_properties(&main)?;
+    let total_mass = spheres.total_mass();
+    let off_at_start = off_the_body(start);
+    for other in others {
+        let cluster = members(spheres, other);
+        let properties = mass_properties(&cluster)?;
+        let (r, v) = (properties.centre - body.centre, properties.velocity - body.velocity);
+        let energy_j_kg = 0.5 * v.norm_squared() - pkd::constants::G * (body.mass + properties.mass) / r.norm();
+        let leaves = energy_j_kg > 0.0
+            || r.norm() > FAR_SEMIAXES * body.half_extents.x
+            || other.iter().all(|i| off_at_start[*i as usize]);
+        if !leaves {
+            continue;
+        }
+        if properties.mass >= FISSION_MASS_FRACTION * total_mass {
+            found.breakup = Some(Breakup::Fission);
+        }
+        for &i in other {
+            let i = i as usize;
+            found.stays[i] = false;
+            found.spheres.push(Departure {
+                sphere: aggregate.ids[i],
+                position: (Vector3::from(spheres.position(i)) - body.centre).into(),
+                velocity: (Vector3::from(spheres.velocity(i)) - body.velocity).into(),
+                spin: spheres.spin(i),
+                energy_j_kg,
+            });
+        }
+    }
+    if body.mass < DISRUPTED_MASS_FRACTION * total_mass {
+        found.breakup = Some(Breakup::Disrupted);
+    }
+    found.spheres.sort_by_key(|d| d.sphere);
+    Ok(found)
+}
+
+/// For each sphere whether it is outside the heaviest cluster.
+fn off_the_body(spheres: &Spheres) -> Vec<bool> {
+    let mut off = vec![true; spheres.len()];
+    if let Some(main) = contact_clusters(spheres, CONTACT_GAP_RADII).first() {
+        for i in main {
+            off[*i as usize] = false;
+        }
+    }
+    off
+}
+
+fn members(spheres: &Spheres, indices: &[u32]) -> Spheres {
+    let mut keep = vec![false; spheres.len()];
+    for i in indices {
+        keep[*i as usize] = true;
+    }
+    spheres.filtered(&keep)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A 3 x 3 x 3 block of touching unit-density spheres of radius 10 m, and one more sphere.
+    fn block_with(position: [f64; 3], velocity: [f64; 3]) -> Aggregate {
+        let mut spheres = Spheres::default();
+        for k in 0..27 {
+            let at = |n: i32| 20.0 * f64::from(n - 1);
+            spheres.push([at(k % 3), at(k / 3 % 3), at(k / 9)], [0.0; 3], [0.0; 3], 1e7, 10.0);
+        }
+        spheres.push(position, velocity, [0.0; 3], 1e7, 10.0);
+        Aggregate { spheres, ids: (0..28).collect() }
+    }
+
+    #[test]
+    fn a_sphere_that_touches_stays() {
+        let aggregate = block_with([40.0, 0.0, 0.0], [1.0, 0.0, 0.0]);
+        assert!(departures(&aggregate.spheres, &aggregate).unwrap().spheres.is_empty());
+    }
+
+    #[test]
+    fn an_unbound_sphere_leaves_and_is_taken_out() {
+        let start = block_with([40.0, 0.0, 0.0], [0.0; 3]).spheres;
+        let mut aggregate = block_with([45.0, 0.0, 0.0], [1.0, 0.0, 0.0]);
+        let found = departures(&start, &aggregate).unwrap();
+        assert_eq!(found.spheres.len(), 1);
+        assert_eq!((found.spheres[0].sphere, found.breakup), (27, None));
+        assert!(found.spheres[0].energy_j_kg > 0.49);
+        found.remove_from(&mut aggregate).unwrap();
+        assert_eq!((aggregate.spheres.len(), aggregate.ids.len()), (27, 27));
+    }
+
+    #[test]
+    fn a_bound_sphere_leaves_only_after_a_whole_block_in_the_air() {
+        let landed = block_with([40.0, 0.0, 0.0], [0.0; 3]).spheres;
+        let aggregate = block_with([45.0, 0.0, 0.0], [0.0; 3]);
+        assert!(departures(&landed, &aggregate).unwrap().spheres.is_empty());
+        assert_eq!(departures(&aggregate.spheres, &aggregate).unwrap().spheres.len(), 1);
+    }
+
+    #[test]
+    fn a_heavy_piece_means_fission_and_a_light_rest_disruption() {
+        let mut aggregate = block_with([45.0, 0.0, 0.0], [1.0, 0.0, 0.0]);
+        aggregate.spheres.mass[27] = 5e7;
+        assert_eq!(departures(&aggregate.spheres, &aggregate).unwrap().breakup, Some(Breakup::Fission));
+        let mut spheres = Spheres::default();
+        for k in 0..3 {
+            spheres.push([1e4 * f64::from(k), 0.0, 0.0], [f64::from(k), 0.0, 0.0], [0.0; 3], 1e7, 10.0);
+        }
+        let scattered = Aggregate { spheres, ids: (0..3).collect() };
+        assert_eq!(departures(&scattered.spheres, &scattered).unwrap().breakup, Some(Breakup::Disrupted));
+    }
+}
