@@ -33,4 +33,42 @@ pub enum PkdError {
         /// Which quantity.
         quantity: &'static str,
     },
+    /// Spheres that reach into each other.
+    #[error("spheres {first} and {second} overlap by {fraction:e} of the smaller radius at {time_s} s")]
+    Overlap {
+        /// One of them.
+        first: usize,
+        /// The other.
+        second: usize,
+        /// Depth over the smaller radius.
+        fraction: f64,
+        /// Time since the start of the call, s.
+        time_s: f64,
+    },
+    /// An integration that left the range of `f64`.
+    #[error("sphere {sphere}: {quantity} is no longer finite at {time_s} s")]
+    BecameNonFinite {
+        /// Row of the sphere, from 0.
+        sphere: usize,
+        /// Which quantity.
+        quantity: &'static str,
+        /// Time since the start of the call, s.
+        time_s: f64,
+    },
+    /// Collisions that do not end.
+    #[error("sphere {sphere} has collided {collisions} times within one step at {time_s} s")]
+    CollisionRunaway {
+        /// Row of the sphere, from 0.
+        sphere: usize,
+        /// Its collisions in the step.
+        collisions: u32,
+        /// Time since the start of the call, s.
+        time_s: f64,
+    },
+    /// Random spheres that could not be freed of their overlaps in the space given to them.
+    #[error("{spheres} spheres do not fit their container without overlaps: lower the packing fraction")]
+    PackingTooDense {
+        /// How many spheres.
+        spheres: usize,
+    },
 }

@@ -11,6 +11,7 @@ mod error;
 pub mod frame;
 pub mod gravity;
 pub mod mass_properties;
+pub mod packing;
 pub mod rigid_fit;
 mod spheres;
 
