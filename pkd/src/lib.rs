@@ -10,6 +10,7 @@ pub mod effective_potential;
 mod error;
 pub mod frame;
 pub mod gravity;
+pub mod hard_sphere;
 pub mod mass_properties;
 pub mod packing;
 pub mod rigid_fit;

@@ -1,0 +1,288 @@
+//! The drift of a step: straight lines between collisions, which are resolved one by one in the order of their times.
+//!
+//! Every sphere has one event: its earliest meeting with a neighbour as things stood when it was last predicted. A
+//! collision changes two spheres, so only their events are predicted anew. Other spheres that waited for one of the two
+//! notice when their time comes (the partner's version has moved on) and predict again. No meeting is lost by that: one
+//! with the changed sphere is among that sphere's own new predictions, all others are later than the event that was kept.
+//!
+//! Sources: Richardson et al. 2000 (Icarus 143, 45) for positions referred to the start of the step, the slide limit and
+//! the limit on inelastic collapse.
+
+use super::ball::Ball;
+use super::impact::{Restitution, impact, surface_velocity};
+use super::neighbours::{Neighbours, RigidMotion};
+use super::parameters::{HardSphereParameters, SlideVelocity};
+use super::predict::{Meeting, NONE, Predict, predictor};
+use super::report::CollisionCounts;
+use super::tournament::Tournament;
+use crate::constants::G;
+use crate::{PkdError, Spheres};
+use nalgebra::Vector3;
+
+/// In place of a partner: the sphere comes to the end of its leash, and the neighbours must be looked up again.
+const LEASH_END: u32 = NONE - 1;
+
+/// A run stops when a sphere has collided this many times as often in a step as the cap allows.
+const RUNAWAY: u32 = 100;
+
+/// What a sphere is waiting for and what it did last; half a cache line.
+#[derive(Debug, Clone, Copy)]
+#[repr(C, align(32))]
+struct Mark {
+    /// Time of its last collision in this step, s; zero before the first.
+    collided_at: f64,
+    /// Whom it meets next.
+    partner: u32,
+    /// How many collisions that sphere had when the meeting was predicted: the event is stale when it had more since.
+    partner_collisions: u32,
+    /// Collisions in this step.
+    collisions: u32,
+    /// With whom it collided last in this step.
+    last: u32,
+}
+
+impl Mark {
+    const FRESH: Self = Self { collided_at: 0.0, partner: NONE, partner_collisions: 0, collisions: 0, last: NONE };
+}
+
+/// Memory of the event loop; holds nothing from one step to the next.
+#[derive(Debug)]
+pub(super) struct Drift {
+    /// The spheres and [`Ball::NOWHERE`].
+    balls: Vec<Ball>,
+    spins: Vec<Vector3<f64>>,
+    marks: Vec<Mark>,
+    events: Tournament,
+    neighbours: Neighbours,
+    predict: Predict,
+}
+
+impl Default for Drift {
+    fn default() -> Self {
+        Self {
+            balls: Vec::new(),
+            spins: Vec::new(),
+            marks: Vec::new(),
+            events: Tournament::default(),
+            neighbours: Neighbours::default(),
+            predict: predictor(),
+        }
+    }
+}
+
+impl Drift {
+    /// Moves the spheres on by `step` (s), whose start is at `time_s` of the run (for messages only).
+    ///
+    /// # Errors
+    /// [`PkdError::Overlap`] if a pair overlaps too much at the start or end, [`PkdError::CollisionRunaway`].
+    pub fn drift(
+        &mut self,
+        spheres: &mut Spheres,
+        parameters: &HardSphereParameters,
+        step: f64,
+        time_s: f64,
+    ) -> Result<(CollisionCounts, f64), PkdError> {
+        self.load(spheres);
+        let mut counts = CollisionCounts::default();
+        let motion = RigidMotion::of(&self.balls[..spheres.len()]);
+        self.look_around(&motion, 0.0, step, &mut counts);
+        let before = self.deepest_overlap(0.0, time_s)?;
+        let smooth = parameters.restitution_tangential == 1.0 && parameters.slide_velocity == SlideVelocity::Centre;
+        let run = if smooth { Self::run::<false> } else { Self::run::<true> };
+        run(self, parameters, &motion, step, &mut counts).map_err(|sphere| PkdError::CollisionRunaway {
+            sphere,
+            collisions: self.marks[sphere].collisions,
+            time_s: time_s + self.marks[sphere].collided_at,
+        })?;
+        let after = self.deepest_overlap(step, time_s + step)?;
+        self.store(spheres, step);
+        Ok((counts, before.max(after)))
+    }
+
+    fn load(&mut self, spheres: &Spheres) {
+        let count = spheres.len();
+        self.balls.clear();
+        self.balls.extend((0..count).map(|i| Ball::new(spheres, i)));
+        self.balls.push(Ball::NOWHERE);
+        self.spins.clear();
+        self.spins.extend((0..count).map(|i| Vector3::from(spheres.spin(i))));
+        self.marks.clear();
+        self.marks.resize(count, Mark::FRESH);
+    }
+
+    fn store(&self, spheres: &mut Spheres, step: f64) {
+        for i in 0..spheres.len() {
+            let at = self.balls[i].position_at(step);
+            (spheres.x[i], spheres.y[i], spheres.z[i]) = (at.x, at.y, at.z);
+            let [vx, vy, vz] = self.balls[i].velocity;
+            (spheres.vx[i], spheres.vy[i], spheres.vz[i]) = (vx, vy, vz);
+            let w = self.spins[i];
+            (spheres.wx[i], spheres.wy[i], spheres.wz[i]) = (w.x, w.y, w.z);
+        }
+    }
+
+    /// The event loop. The error is the sphere that collides without end.
+    fn run<const SPIN: bool>(
+        &mut self,
+        parameters: &HardSphereParameters,
+        motion: &RigidMotion,
+        step: f64,
+        counts: &mut CollisionCounts,
+    ) -> Result<(), usize> {
+        loop {
+            let event = self.events.first();
+            let (i, now) = (event.index as usize, event.key);
+            if now >= step {
+                return Ok(());
+            }
+            let mark = self.marks[i];
+            if mark.partner == LEASH_END {
+                self.look_around(motion, now, step, counts);
+                continue;
+            }
+            let j = mark.partner as usize;
+            if self.marks[j].collisions != mark.partner_collisions {
+                counts.repredictions += 1;
+                self.schedule(i, now, step);
+                continue;
+            }
+            self.collide::<SPIN>(i, j, now, parameters, counts);
+            if self.marks[i].collisions.max(self.marks[j].collisions)
+                > parameters.max_collisions_per_sphere.saturating_mul(RUNAWAY)
+            {
+                return Err(if self.marks[i].collisions > self.marks[j].collisions { i } else { j });
+            }
+            self.schedule(i, now, step);
+            self.schedule(j, now, step);
+        }
+    }
+
+    /// Resolves the meeting of `i` and `j` at time `now`.
+    #[inline]
+    fn collide<const SPIN: bool>(
+        &mut self,
+        i: usize,
+        j: usize,
+        now: f64,
+        parameters: &HardSphereParameters,
+        counts: &mut CollisionCounts,
+    ) {
+        let [one, two] = [self.balls[i], self.balls[j]];
+        let spins = if SPIN { [self.spins[i], self.spins[j]] } else { [Vector3::zeros(); 2] };
+        let normal = (two.position_at(now) - one.position_at(now)).normalize();
+        let restitution = self.restitution::<SPIN>(i, j, now, normal, spins, parameters, counts);
+        match impact::<SPIN>([&one, &two], spins, normal, restitution) {
+            Some(change) => {
+                self.balls[i].deflect(change.velocity[0], now);
+                self.balls[j].deflect(change.velocity[1], now);
+                if SPIN {
+                    self.spins[i] += change.spin[0];
+                    self.spins[j] += change.spin[1];
+                }
+            }
+            None => counts.grazes += 1,
+        }
+        for (k, other) in [(i, j), (j, i)] {
+            let mark = &mut self.marks[k];
+            mark.collided_at = now;
+            mark.collisions += 1;
+            mark.last = other as u32;
+        }
+    }
+
+    /// Chooses the restitution: the limit on inelastic collapse goes before the slide limit, that before the nominal values.
+    #[inline]
+    #[expect(clippy::too_many_arguments, reason = "one call, split off to be read alone")]
+    fn restitution<const SPIN: bool>(
+        &self,
+        i: usize,
+        j: usize,
+        now: f64,
+        normal: Vector3<f64>,
+        spins: [Vector3<f64>; 2],
+        parameters: &HardSphereParameters,
+        counts: &mut CollisionCounts,
+    ) -> Restitution {
+        counts.collisions += 1;
+        let [one, two] = [&self.balls[i], &self.balls[j]];
+        let [mark_one, mark_two] = [&self.marks[i], &self.marks[j]];
+        if mark_one.collisions.max(mark_two.collisions) >= parameters.max_collisions_per_sphere {
+            counts.capped += 1;
+            return Restitution::ELASTIC;
+        }
+        let v = two.velocity() - one.velocity();
+        // Radial velocity as it was at the start of the step on the present lines, as in the published rule; squared, with
+        // the denominators on the other side.
+        let r = two.origin() - one.origin();
+        let radial2 = r.dot(&v).powi(2);
+        let limit2 = parameters.collapse_limit * parameters.collapse_limit * r.norm_squared();
+        let collapsed = |mark: &Mark, ball: &Ball| {
+            radial2 * (now - mark.collided_at).powi(2) < limit2 * (ball.radius * ball.radius)
+        };
+        if collapsed(mark_one, one) | collapsed(mark_two, two) {
+            counts.collapse += 1;
+            return Restitution::ELASTIC;
+        }
+        let speed2 = match parameters.slide_velocity {
+            SlideVelocity::Surface if SPIN => surface_velocity([one, two], spins, normal).norm_squared(),
+            _ => v.norm_squared(),
+        };
+        let escape2 = 2.0 * G * (one.mass + two.mass);
+        if speed2 * (one.radius + two.radius) < parameters.slide_limit * parameters.slide_limit * escape2 {
+            counts.slide += 1;
+            return Restitution::ELASTIC;
+        }
+        counts.nominal += 1;
+        Restitution { normal: parameters.restitution_normal, tangential: parameters.restitution_tangential }
+    }
+
+    /// Predicts the next event of sphere `i` from `now` on.
+    #[inline]
+    fn schedule(&mut self, i: usize, now: f64, step: f64) {
+        // The pair that has just collided recedes. Should round-off see it otherwise, it would be resolved for ever.
+        let last = self.marks[i].last;
+        let skipped = if last != NONE && self.marks[last as usize].last == i as u32 { last } else { NONE };
+        // SAFETY: the lists hold indices of balls, and `predictor` chose a function of this processor.
+        let Meeting { delay, mut partner } =
+            unsafe { (self.predict)(&self.balls, i, self.neighbours.of(i), now, skipped) };
+        let mut time = now + delay;
+        if let Some(end) = self.neighbours.leaves(i, &self.balls[i], now, time.min(step)) {
+            (time, partner) = (end, LEASH_END);
+        }
+        let partner_collisions = self.marks.get(partner as usize).map_or(0, |mark| mark.collisions);
+        let mark = &mut self.marks[i];
+        mark.partner = partner;
+        mark.partner_collisions = partner_collisions;
+        self.events.set(i, time);
+    }
+
+    /// Makes the neighbour lists at time `now` and predicts everything anew.
+    #[cold]
+    fn look_around(&mut self, motion: &RigidMotion, now: f64, step: f64, counts: &mut CollisionCounts) {
+        counts.list_rebuilds += 1;
+        self.neighbours.rebuild(&self.balls, motion, now, step);
+        self.events.reset(self.marks.iter().map(|_| f64::INFINITY));
+        for i in 0..self.marks.len() {
+            self.schedule(i, now, step);
+        }
+    }
+
+    /// Deepest overlap at time `now` of the step as a fraction of the smaller radius.
+    fn deepest_overlap(&self, now: f64, time_s: f64) -> Result<f64, PkdError> {
+        let mut deepest = 0.0;
+        for &(first, second) in self.neighbours.pairs() {
+            let [one, two] = [first, second].map(|k| &self.balls[k as usize]);
+            let r2 = (two.position_at(now) - one.position_at(now)).norm_squared();
+            let touch = one.radius + two.radius;
+            if r2 < touch * touch {
+                let fraction = (touch - r2.sqrt()) / one.radius.min(two.radius);
+                if fraction > super::OVERLAP_LIMIT {
+                    let (first, second) = (first.min(second) as usize, first.max(second) as usize);
+                    return Err(PkdError::Overlap { first, second, fraction, time_s });
+                }
+                deepest = fraction.max(deepest);
+            }
+        }
+        Ok(deepest)
+    }
+}
