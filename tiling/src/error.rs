@@ -2,6 +2,7 @@
 //!
 //! Facets and vertices are numbered from 0 in the fields and from 1, as in OBJ files, in the messages.
 
+use crate::implicit::MAX_EXPONENT;
 use crate::obj::ObjFault;
 
 /// Why a mesh was refused or could not be made.
@@ -76,6 +77,54 @@ pub enum TilingError {
     InsideOut {
         /// Signed volume, m^3.
         volume_m3: f64,
+    },
+    /// A sphere cannot be triangulated with this number of vertices.
+    #[error("a tiling needs between 4 and {} vertices, not {vertices}", u32::MAX / 2)]
+    VertexCount {
+        /// The number asked for.
+        vertices: usize,
+    },
+    /// Points without a convex hull.
+    #[error("no convex hull of {points} points: there are too few, they lie in a plane, or a coordinate is not finite")]
+    Hull {
+        /// Number of points.
+        points: usize,
+    },
+    /// A sphere with a value that is not finite, or without a positive radius.
+    #[error("sphere {}: centre {centre:?} m, radius {radius} m; all must be finite and the radius positive", sphere + 1)]
+    BadSphere {
+        /// Row of the sphere.
+        sphere: usize,
+        /// Its centre, m.
+        centre: [f64; 3],
+        /// Its radius, m.
+        radius: f64,
+    },
+    /// Parameters that make no closed surface.
+    #[error(
+        "no surface of {spheres} spheres with exponent {exponent} and level {level}: at least one sphere, an exponent of 1 to {MAX_EXPONENT} and a positive level are needed"
+    )]
+    BadSurface {
+        /// Number of spheres.
+        spheres: usize,
+        /// Half the power of the distance.
+        exponent: u32,
+        /// The level `G0`.
+        level: f64,
+    },
+    /// An ellipsoid with an axis that is not finite and positive.
+    #[error("ellipsoid with semi-axes {semi_axes:?} m: all must be finite and positive")]
+    BadEllipsoid {
+        /// Semi-axes along x, y, z, m.
+        semi_axes: [f64; 3],
+    },
+    /// A previous tiling with another number of vertices.
+    #[error("the previous tiling has {found} vertices, the ellipsoid's has {expected}")]
+    OtherTiling {
+        /// Vertices of the previous tiling.
+        found: usize,
+        /// Vertices of the ellipsoid's tiling.
+        expected: usize,
     },
     /// A line of an OBJ file that is not understood.
     #[error("line {line}: {fault}")]

@@ -3,12 +3,25 @@
 //! SI units and `f64` throughout.
 #![warn(missing_docs)]
 
+pub mod checks;
 mod error;
+pub mod fibonacci;
+pub mod hull;
+pub mod implicit;
+pub mod inside;
 pub mod mesh;
 pub mod obj;
+pub mod project;
+pub mod quickhull;
+mod retile;
 pub mod solid;
 pub mod topology;
 
+pub use checks::FitReport;
 pub use error::TilingError;
+pub use hull::sphere_hull_volume;
+pub use implicit::ImplicitSurface;
+pub use inside::Inside;
 pub use mesh::Mesh;
+pub use project::{EllipsoidTiling, FlaggedVertex, Placement, Tiling};
 pub use solid::{PrincipalAxes, Solid};

@@ -50,11 +50,12 @@ impl Mesh {
     fn is_degenerate(&self, f: usize) -> bool {
         let [a, b, c] = self.corners(f);
         let longest = (b - a).norm_squared().max((c - b).norm_squared()).max((a - c).norm_squared());
-        // Negated, so that an overflow to NaN counts as degenerate.
-        !(2.0 * self.area(f) > DEGENERATE * longest)
+        let has_area = 2.0 * self.area(f) > DEGENERATE * longest;
+        // Said this way round, an overflow to NaN counts as degenerate.
+        !has_area
     }
 
-    fn check_edges(&self) -> Result<(), TilingError> {
+    pub(crate) fn check_edges(&self) -> Result<(), TilingError> {
         let (mut open, mut crowded, mut twisted) = (Vec::new(), Vec::new(), Vec::new());
         let edges = self.sorted_edges();
         for group in edges.chunk_by(|a, b| a.ends == b.ends) {
@@ -81,6 +82,21 @@ impl Mesh {
             return Err(TilingError::Orientation { edges: twisted.len(), facets: facets(&twisted) });
         }
         Ok(())
+    }
+
+    /// Of every edge between two facets: its vertices, the facet to its left (seen from outside, going from the first
+    /// vertex to the second) and the one to its right. In ascending order of the vertices.
+    pub(crate) fn edge_neighbours(&self) -> impl Iterator<Item = ((u32, u32), usize, usize)> {
+        let mut edges = self.sorted_edges().into_iter().peekable();
+        std::iter::from_fn(move || {
+            loop {
+                let one = edges.next()?;
+                if let Some(other) = edges.next_if(|other| other.ends == one.ends) {
+                    let (left, right) = if one.forward { (one.facet, other.facet) } else { (other.facet, one.facet) };
+                    return Some((one.ends, left as usize, right as usize));
+                }
+            }
+        })
     }
 
     /// Every facet's three edges, equal ones side by side. Sorted rather than hashed: the order reaches error messages.
