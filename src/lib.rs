@@ -6,4 +6,5 @@
 
 pub mod cli;
 pub mod evolve;
+pub mod exchange;
 pub mod scene;
