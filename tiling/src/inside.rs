@@ -15,6 +15,7 @@ const MOST_ENTRIES: usize = 16;
 pub struct Inside {
     mesh: Mesh,
     lower: [f64; 2],
+    upper: [f64; 2],
     cells_per_metre: [f64; 2],
     cells: usize,
     /// Facets of column `c`: `entries[starts[c]..starts[c + 1]]`.
@@ -33,12 +34,13 @@ impl Inside {
             mesh.vertices.iter().map(|v| v[axis]).fold(start, pick)
         };
         let lower = [0, 1].map(|axis| bound(axis, f64::INFINITY, f64::min));
-        let width = [0, 1].map(|axis| bound(axis, f64::NEG_INFINITY, f64::max) - lower[axis]);
-        let mut grid = Self { lower, cells_per_metre: [0.0; 2], cells: 0, starts: vec![], entries: vec![], mesh };
+        let upper = [0, 1].map(|axis| bound(axis, f64::NEG_INFINITY, f64::max));
+        let mut grid =
+            Self { lower, upper, cells_per_metre: [0.0; 2], cells: 0, starts: vec![], entries: vec![], mesh };
         let facets = grid.mesh.facets.len();
         grid.cells = (facets as f64).sqrt() as usize;
         loop {
-            grid.cells_per_metre = width.map(|w| grid.cells as f64 / w);
+            grid.cells_per_metre = [0, 1].map(|axis| grid.cells as f64 / (upper[axis] - lower[axis]));
             let entries: usize = (0..facets).map(|f| grid.columns_of(f).count()).sum();
             if entries <= MOST_ENTRIES * facets || grid.cells == 1 {
                 break;
@@ -65,9 +67,10 @@ impl Inside {
     /// Column of a point of the xy plane, if it is in the grid.
     fn cell(&self, point: [f64; 2]) -> Option<[usize; 2]> {
         let index = |axis: usize| {
+            // NaN fails the comparison. The upper rim, which round-off may put beyond, belongs to the last cell.
+            let within = (self.lower[axis]..=self.upper[axis]).contains(&point[axis]);
             let scaled = (point[axis] - self.lower[axis]) * self.cells_per_metre[axis];
-            // The upper rim belongs to the last cell. NaN fails the comparison.
-            (0.0..=self.cells as f64).contains(&scaled).then(|| (scaled as usize).min(self.cells - 1))
+            within.then(|| (scaled as usize).min(self.cells - 1))
         };
         Some([index(0)?, index(1)?])
     }
@@ -164,6 +167,16 @@ mod tests {
                     }
                 }
             }
+        }
+    }
+
+    /// The grid's upper rim, whatever round-off makes of it.
+    #[test]
+    fn any_box_is_prepared() {
+        for i in 1..2000 {
+            let side = (f64::from(i) * 0.7).sin().abs() + 0.1;
+            let inside = Inside::new(cuboid(side, 0.3 * side, 3.0).translated([-side / 3.0, side, 1.0])).unwrap();
+            assert!(inside.contains([0.0, 1.1 * side, 2.0]));
         }
     }
 
