@@ -15,6 +15,7 @@ pub mod project;
 pub mod quickhull;
 mod retile;
 pub mod solid;
+pub mod top;
 pub mod topology;
 
 pub use checks::FitReport;

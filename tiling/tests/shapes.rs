@@ -1,6 +1,7 @@
 //! Real asteroid shapes, where a checkout has them beside it: closed, and with the volumes and moments of their table.
 
 use std::path::{Path, PathBuf};
+use tiling::top::TopShape;
 use tiling::{Inside, Mesh, obj};
 
 /// File, volume (m^3), moment of inertia about z over the density (m^5).
@@ -78,4 +79,19 @@ fn inside_test_measures_the_volume_of_a_concave_shape() {
     }
     let measured = f64::from(u32::try_from(count).unwrap()) * step.powi(3);
     assert!((measured / volume - 1.0).abs() < 2e-3, "{measured} {volume}");
+}
+
+/// The shape that ships with the scenes is the one its formula gives.
+#[test]
+fn shipped_top_shape_is_closed_and_follows_its_formula() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/shapes");
+    let mesh = read(&folder, "top.obj");
+    assert_eq!((mesh.check(), mesh.facets.len()), (Ok(()), 2000));
+    let top = TopShape::new(300.0);
+    for v in &mesh.vertices {
+        let radius = v.iter().map(|c| c * c).sum::<f64>().sqrt();
+        // The file's origin is the centre of mass, a few metres at most from the formula's.
+        assert!((radius - top.radius_at((v[2] / radius).asin())).abs() < 1.0, "{v:?}");
+    }
+    assert!(mesh.solid().centre_of_mass.iter().all(|c| c.abs() < 1e-5));
 }
