@@ -10,6 +10,7 @@ mod superpose;
 
 use pkd::rigid_fit::RigidMotion;
 
+pub use crate::scene::MovementRule;
 pub use superpose::superposition;
 
 /// Centres as one slice per coordinate, m, each `N` long.
@@ -17,16 +18,6 @@ pub type Coordinates<'a> = [&'a [f64]; 3];
 
 /// Fits after which spheres are no longer taken back in, so that the robust rule ends in any case.
 const FREE_FITS: usize = 50;
-
-/// How spheres are excluded from the superposition.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum MovementRule {
-    /// The tolerance starts at the median residual and shrinks to the threshold; spheres may come back in.
-    #[default]
-    Robust,
-    /// Every sphere beyond the threshold is excluded for good, as the paper describes it.
-    Literal,
-}
 
 /// What the comparison of two configurations found.
 #[derive(Debug, Clone, PartialEq)]
