@@ -27,16 +27,11 @@ pub struct Cluster {
 /// `gap_over_radius` times the smaller radius connect.
 pub fn clusters(spheres: &Spheres, gap_over_radius: f64) -> Vec<Cluster> {
     let n = spheres.len();
-    let largest = spheres.radius.iter().copied().fold(0.0, f64::max);
     let mut parent: Vec<u32> = (0..n as u32).collect();
-    visit_near_pairs(spheres.coordinates(), (2.0 + gap_over_radius.max(0.0)) * largest, |i, j| {
-        let distance = (Vector3::from(spheres.position(i)) - Vector3::from(spheres.position(j))).norm();
-        let (a, b) = (spheres.radius[i], spheres.radius[j]);
-        if distance - (a + b) < gap_over_radius * a.min(b) {
-            let (root_i, root_j) = (root(&mut parent, i as u32), root(&mut parent, j as u32));
-            // The lowest index becomes the root, so that the result does not depend on the order of the pairs.
-            parent[root_i.max(root_j) as usize] = root_i.min(root_j);
-        }
+    visit_contacts(spheres, gap_over_radius, |i, j| {
+        let (root_i, root_j) = (root(&mut parent, i as u32), root(&mut parent, j as u32));
+        // The lowest index becomes the root, so that the result does not depend on the order of the pairs.
+        parent[root_i.max(root_j) as usize] = root_i.min(root_j);
     });
     let mut found: Vec<Cluster> = Vec::new();
     let mut place = vec![usize::MAX; n];
@@ -53,6 +48,24 @@ pub fn clusters(spheres: &Spheres, gap_over_radius: f64) -> Vec<Cluster> {
     // Stable, and the list is in the order of the lowest index.
     found.sort_by(|a, b| b.mass.total_cmp(&a.mass));
     found
+}
+
+/// Number of pairs with a gap below `gap_over_radius` times the smaller radius.
+pub fn contact_count(spheres: &Spheres, gap_over_radius: f64) -> usize {
+    let mut count = 0;
+    visit_contacts(spheres, gap_over_radius, |_, _| count += 1);
+    count
+}
+
+fn visit_contacts(spheres: &Spheres, gap_over_radius: f64, mut visit: impl FnMut(usize, usize)) {
+    let largest = spheres.radius.iter().copied().fold(0.0, f64::max);
+    visit_near_pairs(spheres.coordinates(), (2.0 + gap_over_radius.max(0.0)) * largest, |i, j| {
+        let distance = (Vector3::from(spheres.position(i)) - Vector3::from(spheres.position(j))).norm();
+        let (a, b) = (spheres.radius[i], spheres.radius[j]);
+        if distance - (a + b) < gap_over_radius * a.min(b) {
+            visit(i, j);
+        }
+    });
 }
 
 /// The root of `i`, halving the path on the way.
