@@ -111,6 +111,8 @@ pub(super) const LIMITS: &[Limit] = &[
     closed("surface.thermal_inertia", 0.0, 0.0).note("heat conduction is not part of this version"),
     above("surface.emissivity", 0.0, 1.0),
     closed("torque.obliquity_step_deg", 0.1, 90.0).note("and a divisor of 180"),
+    closed("torque.azimuth_bins", 16.0, 2880.0).note("and a multiple of 4"),
+    closed("torque.declination_nodes", 5.0, 1441.0).note("and odd"),
     closed("evolution.duration_myr", 0.0, 1e4),
     closed("evolution.spin_change", 1e-5, 0.5),
     closed("evolution.rk4_step_yr", 1.0, 1e6),
@@ -179,6 +181,15 @@ fn inconsistent(scene: &Scene) -> Option<Violation> {
     if (nodes * step - 180.0).abs() > 1e-9 {
         let allowed = limit("torque.obliquity_step_deg").expect("listed above").to_string();
         return violation("torque.obliquity_step_deg", step.to_string(), allowed);
+    }
+    let torque = &scene.torque;
+    for (path, value, fits) in [
+        ("torque.azimuth_bins", torque.azimuth_bins, torque.azimuth_bins.is_multiple_of(4)),
+        ("torque.declination_nodes", torque.declination_nodes, !torque.declination_nodes.is_multiple_of(2)),
+    ] {
+        if !fits {
+            return violation(path, value.to_string(), limit(path).expect("listed above").to_string());
+        }
     }
     match scene.evolution.stop_period_h {
         Some(stop) if stop.is_nan() || stop <= scene.spin.period_h => {

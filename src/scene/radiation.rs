@@ -148,11 +148,15 @@ pub struct TorqueOptions {
     pub obliquity_step_deg: f64,
     /// Interpolation between the nodes [cubic].
     pub interpolation: Interpolation,
+    /// Azimuths at which the horizon of a facet is known, a multiple of 4 [120]; time and memory grow in proportion.
+    pub azimuth_bins: u32,
+    /// Solar declinations from equator to pole at which the rotation is averaged, odd [37]; time grows in proportion.
+    pub declination_nodes: u32,
 }
 
 impl Default for TorqueOptions {
     fn default() -> Self {
-        Self { obliquity_step_deg: 5.0, interpolation: Interpolation::Cubic }
+        Self { obliquity_step_deg: 5.0, interpolation: Interpolation::Cubic, azimuth_bins: 120, declination_nodes: 37 }
     }
 }
 
