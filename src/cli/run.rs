@@ -22,7 +22,7 @@ pub(super) struct Arguments {
     #[arg(long)]
     resume: bool,
     /// Stop at this time, Myr; 0 builds and settles only [default: evolution.duration_myr]
-    #[arg(long, value_name = "T", value_parser = super::finite_non_negative)]
+    #[arg(long, value_name = "T", value_parser = super::arguments::until_myr)]
     until_myr: Option<f64>,
 }
 

@@ -3,10 +3,11 @@
 //! Settling of object 0, the check after a change of spin and `yorp relax` are all made of such blocks.
 
 use nalgebra::Vector3;
+use pkd::Spheres;
 use pkd::hard_sphere::HardSphere;
-use pkd::{MassProperties, Spheres, mass_properties};
+use pkd::mass_properties::{MassProperties, mass_properties};
 
-use super::movement::{MovementRule, Movements, detect};
+use super::movement::{Coordinates, Movement, MovementRule, detect_movement};
 use super::shedding::{Departures, departures};
 use super::{EvolveError, Observer};
 use crate::store::DynamicsRecord;
@@ -70,32 +71,33 @@ pub fn evolve_block(
     dynamics.momentum_drift = momentum_drift(&aggregate.spheres, &before, &after);
     dynamics.angular_momentum_drift =
         (after.angular_momentum - before.angular_momentum).norm() / before.angular_momentum.norm();
-    let departures = departures(&start, aggregate, &after)?;
+    let departures = departures(&start, aggregate)?;
     let keep = departures.stays();
-    let movements = detect_block(&start, &aggregate.spheres, keep, movement_radius_fraction)?;
-    let max_displacement_radii =
-        movements.residuals.iter().zip(kept(&start.radius, keep)).fold(0.0_f64, |m, (d, r)| m.max(d / r));
+    let movement = movement_within(&start.filtered(keep), &aggregate.spheres.filtered(keep), movement_radius_fraction);
+    let radius = start.radius.iter().zip(keep).filter(|(_, k)| **k).map(|(r, _)| r);
+    let max_displacement_radii = movement.residual_m.iter().zip(radius).fold(0.0_f64, |m, (d, r)| m.max(d / r));
+    let moved = movement.count() as u32;
     departures.remove_from(aggregate)?;
-    Ok(Block { period_s, moved: movements.count(), max_displacement_radii, dynamics, departures })
+    Ok(Block { period_s, moved, max_displacement_radii, dynamics, departures })
 }
 
-/// Movement within the block among the spheres that stay.
-fn detect_block(start: &Spheres, end: &Spheres, keep: &[bool], fraction: f64) -> Result<Movements, EvolveError> {
-    let (start, end) = (start.filtered(keep), end.filtered(keep));
-    Ok(detect(&positions(&start), &positions(&end), &start.radius, fraction, MovementRule::Robust)?)
+/// Movement among the same spheres between two moments, by the robust rule.
+pub(super) fn movement_within(start: &Spheres, end: &Spheres, radius_fraction: f64) -> Movement {
+    detect_movement(coordinates(start), coordinates(end), &start.radius, radius_fraction, MovementRule::Robust)
+}
+
+/// Centres as one slice per coordinate.
+pub(super) fn coordinates(spheres: &Spheres) -> Coordinates<'_> {
+    [&spheres.x, &spheres.y, &spheres.z]
 }
 
 /// Centres as points, m.
-pub fn positions(spheres: &Spheres) -> Vec<[f64; 3]> {
+pub(super) fn positions(spheres: &Spheres) -> Vec<[f64; 3]> {
     (0..spheres.len()).map(|i| spheres.position(i)).collect()
 }
 
-fn kept<'a>(values: &'a [f64], keep: &'a [bool]) -> impl Iterator<Item = f64> + 'a {
-    values.iter().zip(keep).filter(|(_, k)| **k).map(|(v, _)| *v)
-}
-
 /// Change of the total momentum over the sum of m|v| of the spheres.
-fn momentum_drift(spheres: &Spheres, before: &MassProperties, after: &MassProperties) -> f64 {
+pub(super) fn momentum_drift(spheres: &Spheres, before: &MassProperties, after: &MassProperties) -> f64 {
     let scale: f64 = (0..spheres.len()).map(|i| spheres.mass[i] * Vector3::from(spheres.velocity(i)).norm()).sum();
     if scale == 0.0 { 0.0 } else { before.mass * (after.velocity - before.velocity).norm() / scale }
 }

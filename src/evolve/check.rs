@@ -2,14 +2,15 @@
 //! compared with its present configuration.
 
 use nalgebra::Vector3;
+use pkd::frame::add_spin;
 use pkd::hard_sphere::HardSphere;
-use pkd::{add_spin, mass_properties};
+use pkd::mass_properties::mass_properties;
 
-use super::block::{Aggregate, add_dynamics, evolve_block, positions};
-use super::movement::{Movement, detect};
+use super::EvolveError;
+use super::block::{Aggregate, coordinates, evolve_block};
+use super::movement::{Movement, detect_movement};
 use super::observer::{Observer, Progress};
 use super::shedding::Departures;
-use super::EvolveError;
 use crate::scene::Scene;
 use crate::store::{ConfigurationRecord, DynamicsRecord, State};
 
@@ -56,14 +57,14 @@ pub fn check_spin(
         let rotations = settling.rotations.min(settling.max_rotations - dynamics.rotations);
         let mut after_rotation = |_, observer: &mut dyn Observer| observer.progress(progress);
         let block = evolve_block(engine, &mut body, rotations, fraction, observer, &mut after_rotation)?;
-        add_dynamics(&mut dynamics, &block.dynamics);
+        dynamics.add(&block.dynamics);
         let quiet = block.moved == 0 && block.departures.spheres.is_empty();
         let over = block.departures.breakup.is_some() || dynamics.rotations >= settling.max_rotations;
         if !block.departures.spheres.is_empty() {
             departures.push(block.departures);
         }
-        let movement = movement(scene, configuration, &body)?;
-        let moved = movement.moved_count() > 0 || !departures.is_empty();
+        let movement = movement(scene, configuration, &body);
+        let moved = movement.count() > 0 || !departures.is_empty();
         if !moved || quiet || over {
             let movement = moved.then_some(movement);
             return Ok(Check { body, movement, dynamics, settled: quiet || !moved, departures });
@@ -72,21 +73,23 @@ pub fn check_spin(
 }
 
 /// Compares `body` with the present configuration, sphere by sphere among those that are in both.
-fn movement(scene: &Scene, configuration: &ConfigurationRecord, body: &Aggregate) -> Result<Movement, EvolveError> {
+fn movement(scene: &Scene, configuration: &ConfigurationRecord, body: &Aggregate) -> Movement {
     let mut ids = body.ids.iter().peekable();
-    let reference: Vec<[f64; 3]> = configuration
-        .sphere_ids
-        .iter()
-        .zip(&configuration.positions)
-        .filter(|(id, _)| ids.next_if_eq(id).is_some())
-        .map(|(_, position)| *position)
-        .collect();
+    let mut recorded: [Vec<f64>; 3] = Default::default();
+    for (id, position) in configuration.sphere_ids.iter().zip(&configuration.positions) {
+        if ids.next_if_eq(&id).is_some() {
+            for (column, value) in recorded.iter_mut().zip(position) {
+                column.push(*value);
+            }
+        }
+    }
+    let [x, y, z] = &recorded;
     let evolution = &scene.evolution;
-    Ok(detect(
-        &reference,
-        &positions(&body.spheres),
+    detect_movement(
+        [x, y, z],
+        coordinates(&body.spheres),
         &body.spheres.radius,
         evolution.movement_radius_fraction,
         evolution.movement_rule,
-    )?)
+    )
 }

@@ -7,17 +7,17 @@
 use std::path::Path;
 
 use pkd::hard_sphere::HardSphere;
-use pkd::mass_properties;
+use pkd::mass_properties::mass_properties;
 
-use super::aggregate::aggregate;
-use super::block::{Aggregate, Block, evolve_block};
-use super::check::{Answer, Check, check_spin};
-use super::configuration::{Shape, next_object, object_0, tiling_frame};
-use super::observer::{Observer, Progress};
-use super::rigid::rigid_reference;
-use super::shedding::{Breakup, Departures};
-use super::spin::{Leg, LegLimits, SpinState, StopReason, YEAR_S, integrate_leg};
 use super::EvolveError;
+use super::aggregate::aggregate;
+use super::check::{Check, check_spin};
+use super::configuration::{Original, Shape, next_object, object_0};
+use super::observer::{Observer, Progress};
+use super::rigid::rigid_cycle;
+use super::settling::{begin, losses, settle_block};
+use super::shedding::Breakup;
+use super::spin::{Leg, LegLimits, SpinState, StopReason, YEAR_S, integrate_leg};
 use crate::scene::{Scene, SceneFile};
 use crate::store::*;
 
@@ -26,6 +26,10 @@ pub const MYR_S: f64 = 1e6 * YEAR_S;
 
 /// How often the spin increment may be cut to a fifth before a movement of most spheres is accepted.
 const MAX_REFINEMENT: u32 = 2;
+
+/// How far the rigid reference curve is followed, Myr: twice the 15 Myr of most runs (Table 2: bodies that would spin up
+/// for ever were followed for 30 Myr). It does not depend on the scene's duration, which may grow when a run resumes.
+const RIGID_LIMIT_MYR: f64 = 30.0;
 
 /// A share of the angular momentum across the spin axis above which the user is told.
 const NON_AXIAL_WARNING: f64 = 0.02;
@@ -60,16 +64,25 @@ pub fn run(
         None
     } else {
         observer.progress(Progress::Building);
-        Some(ledger.time(Part::Build, || aggregate(&scene.scene, scene.folder(), observer))?)
+        Some(ledger.time(Part::Build, || aggregate(scene, observer))?)
     };
     let (store, _) = RunStore::open(directory, &scene.scene, resume)?;
-    let mut driver = Driver { scene: &scene.scene, store, ledger, engine: engine(&scene.scene), observer, end_s, movements: 0 };
+    let mut driver = Driver {
+        scene: &scene.scene,
+        store,
+        ledger,
+        engine: engine(&scene.scene),
+        observer,
+        end_s,
+        movements: 0,
+        warned_non_axial: false,
+    };
     driver.run(scene, fresh)
 }
 
 /// The engine that the scene's contacts ask for.
 pub fn engine(scene: &Scene) -> HardSphere {
-    HardSphere::new(scene.contact.to_hard_sphere())
+    HardSphere::new(scene.contact.to_pkd())
 }
 
 struct Driver<'a> {
@@ -80,6 +93,7 @@ struct Driver<'a> {
     observer: &'a mut dyn Observer,
     end_s: f64,
     movements: u32,
+    warned_non_axial: bool,
 }
 
 impl Driver<'_> {
@@ -91,10 +105,12 @@ impl Driver<'_> {
                     Some(spheres) => spheres,
                     None => {
                         let observer = &mut *self.observer;
-                        self.ledger.time(Part::Build, || aggregate(self.scene, file.folder(), observer))?
+                        self.ledger.time(Part::Build, || aggregate(file, observer))?
                     }
                 };
-                self.begin(spheres)?
+                let state = begin(self.scene, spheres)?;
+                self.save(|store, ledger| store.save_built(&state, ledger))?;
+                state
             }
         };
         while state.stage == Stage::Built {
@@ -112,98 +128,42 @@ impl Driver<'_> {
         Ok(Summary { ending, legs, totals: self.store.totals()? })
     }
 
-    /// Stores the aggregate as constructed.
-    fn begin(&mut self, spheres: pkd::Spheres) -> Result<State, EvolveError> {
-        let state = State {
-            stage: Stage::Built,
-            outcome: None,
-            blocks: 0,
-            leg: 0,
-            configuration: None,
-            refinement: 0,
-            t_s: 0.0,
-            omega: mass_properties(&spheres)?.spin_rate(),
-            obliquity: self.scene.spin.obliquity_rad(),
-            sphere_ids: (0..spheres.len() as u32).collect(),
-            spheres,
-        };
-        self.save(|store, ledger| store.save_built(&state, ledger))?;
-        Ok(state)
-    }
-
     /// One block of settling.
-    fn settle(&mut self, mut state: State) -> Result<State, EvolveError> {
-        let settling = &self.scene.settling;
-        let done = state.blocks * settling.rotations;
+    fn settle(&mut self, state: State) -> Result<State, EvolveError> {
         let watch = Stopwatch::start();
-        let mut body = Aggregate { spheres: state.spheres, ids: state.sphere_ids };
-        let block = evolve_block(
-            &mut self.engine,
-            &mut body,
-            settling.rotations.min(settling.max_rotations - done),
-            self.scene.evolution.movement_radius_fraction,
-            self.observer,
-            |rotation, observer| observer.progress(Progress::Settling { rotations: done + rotation }),
-        )?;
+        let (state, block, losses) = settle_block(self.scene, &mut self.engine, state, self.observer)?;
         self.ledger.stop(Part::Settle, watch);
-        let properties = mass_properties(&body.spheres)?;
-        let axes = properties.deeve_axes();
-        let record = SettlingRecord {
-            block: state.blocks,
-            period_s: block.period_s,
-            moved: block.moved,
-            max_displacement_radii: block.max_displacement_radii,
-            b_over_a: axes.y / axes.x,
-            c_over_a: axes.z / axes.x,
-            dynamics: block.dynamics,
-            shed: block.departures.spheres.len() as u32,
-        };
-        state.spheres = body.spheres;
-        state.sphere_ids = body.ids;
-        state.omega = properties.spin_rate();
-        state.blocks += 1;
-        let quiet = block.moved == 0 && block.departures.spheres.is_empty();
-        if block.departures.breakup.is_some() {
-            return Err(EvolveError::BrokeUpWhileSettling { rotations: done + block.dynamics.rotations });
-        }
-        let out_of_time = state.blocks * settling.rotations >= settling.max_rotations;
-        if quiet || out_of_time {
-            state.stage = Stage::Settled;
-        }
-        if out_of_time && !quiet {
-            let rotations = settling.max_rotations;
-            self.observer.warn(&format!(
-                "the body still moves after {rotations} rotations (settling.max_rotations): {} spheres in the last block",
-                block.moved
-            ));
-        }
-        let losses = losses(&block.departures, 0.0, state.omega);
-        self.save(|store, ledger| store.save_settling(&record, &losses, &state, ledger))?;
+        self.save(|store, ledger| store.save_settling(&block, &losses, &state, ledger))?;
         Ok(state)
     }
 
     /// Tiles the settled body, computes its torques and the curve it would follow were it rigid.
     fn found_object_0(&mut self, mut state: State) -> Result<State, EvolveError> {
-        let watch = Stopwatch::start();
-        let (tiling, base) = tiling_frame(self.scene, &state.spheres)?;
-        self.ledger.stop(Part::Tiling, watch);
-        let shape = object_0(self.scene, &tiling, base, &state, &mut self.ledger)?;
-        state.omega = shape.spin_rate;
-        let watch = Stopwatch::start();
-        let rigid = rigid_reference(&shape.torque, shape.inertia(), state.omega, state.obliquity, &self.scene.evolution)?;
-        self.ledger.stop(Part::Spin, watch);
+        let original = self.ledger.time(Part::Tiling, || Original::new(self.scene, &state.spheres))?;
+        let shape = object_0(self.scene, &original, &state, &mut self.ledger)?;
+        let start = SpinState { t_s: 0.0, omega: state.omega, obliquity: state.obliquity };
+        let step_s = self.scene.evolution.rk4_step_yr * YEAR_S;
+        let cycle = self
+            .ledger
+            .time(Part::Spin, || rigid_cycle(&shape.torque, shape.inertia(), start, RIGID_LIMIT_MYR * MYR_S, step_s))?;
+        let sample = |s: &SpinState| RigidRecord { t_s: s.t_s, omega: s.omega, obliquity: s.obliquity };
+        let rigid: Vec<_> = cycle.states.iter().map(sample).collect();
         state.stage = Stage::Evolving;
         state.configuration = Some(0);
-        self.save(|store, ledger| store.save_object_0(&tiling, &shape.record, &rigid, &state, ledger))?;
+        self.save(|store, ledger| store.save_object_0(&original.record(), &shape.record, &rigid, &state, ledger))?;
         Ok(state)
     }
 
     /// Legs until the requested time or an end.
     fn evolve(&mut self, mut state: State) -> Result<Ending, EvolveError> {
-        let damaged = || EvolveError::Store(self.store.damaged("it lacks the tiling or configuration of its state"));
-        let tiling = self.store.tiling()?.ok_or_else(damaged)?;
-        let record = self.store.latest_configuration()?.ok_or_else(damaged)?;
-        let mut shape = Shape::from_record(self.scene, record);
+        if let Some(ending) = self.store.ending()?.filter(|ending| ending.t_s >= self.end_s) {
+            return Ok(ending);
+        }
+        let missing = |what| EvolveError::Store(self.store.damaged(what));
+        let tiling = self.store.tiling()?.ok_or_else(|| missing("it lacks the tiling of its state"))?;
+        let record = self.store.latest_configuration()?.ok_or_else(|| missing("it lacks a configuration"))?;
+        let original = Original::from_record(self.scene, &tiling)?;
+        let mut shape = Shape::from_record(self.scene, record)?;
         loop {
             self.report(&state);
             if let Some(outcome) = state.outcome {
@@ -211,20 +171,23 @@ impl Driver<'_> {
             }
             let leg = self.spin_leg(&state, &shape)?;
             if leg.reason == StopReason::EndTime {
-                let outcome = if self.end_s < self.scene.evolution.duration_myr * MYR_S { Outcome::Until } else { Outcome::EndTime };
+                let until = self.end_s < self.scene.evolution.duration_myr * MYR_S;
+                let outcome = if until { Outcome::Until } else { Outcome::EndTime };
                 return Ok(Ending { t_s: leg.end.t_s, omega: leg.end.omega, obliquity: leg.end.obliquity, outcome });
             }
-            state = self.turn(state, &tiling, &mut shape, &leg)?;
+            state = self.turn(state, &original, &mut shape, &leg)?;
         }
     }
 
     fn spin_leg(&mut self, state: &State, shape: &Shape) -> Result<Leg, EvolveError> {
         let evolution = &self.scene.evolution;
         let limits = LegLimits {
-            end_s: self.end_s,
+            end_time_s: self.end_s,
             spin_change: evolution.spin_change / 5_f64.powi(state.refinement as i32),
             stop_period_s: evolution.stop_period_h.map(|h| h * 3600.0),
             step_s: evolution.rk4_step_yr * YEAR_S,
+            // A body that stalls is followed to the end: the next movement may set it going again.
+            end_state_fraction: None,
         };
         let start = SpinState { t_s: state.t_s, omega: state.omega, obliquity: state.obliquity };
         let watch = Stopwatch::start();
@@ -234,13 +197,15 @@ impl Driver<'_> {
     }
 
     /// Asks the aggregate whether it bears the spin at the end of `leg`, and records the answer.
-    fn turn(&mut self, state: State, tiling: &TilingRecord, shape: &mut Shape, leg: &Leg) -> Result<State, EvolveError> {
-        let mut next = state.clone();
-        next.leg += 1;
-        next.t_s = leg.end.t_s;
-        next.omega = leg.end.omega;
-        next.obliquity = leg.end.obliquity;
+    fn turn(&mut self, state: State, original: &Original, shape: &mut Shape, leg: &Leg) -> Result<State, EvolveError> {
         let mut record = leg_record(&state, leg);
+        let mut next = State {
+            leg: state.leg + 1,
+            t_s: leg.end.t_s,
+            omega: leg.end.omega,
+            obliquity: leg.end.obliquity,
+            ..state.clone()
+        };
         if matches!(leg.reason, StopReason::StopPeriod | StopReason::CycleEnd) {
             next.stage = Stage::Finished;
             next.outcome = Some(Outcome::SpunDown);
@@ -249,52 +214,28 @@ impl Driver<'_> {
         }
         let watch = Stopwatch::start();
         let progress = self.progress(&state);
-        let Check { body, answer, dynamics, settled, departures } = check_spin(
-            &mut self.engine,
-            self.scene,
-            &state,
-            leg.end.omega,
-            &shape.record,
-            self.observer,
-            progress,
-        )?;
-        record.dynamics = dynamics;
-        record.settled = settled;
-        record.shed = departures.iter().map(|d| d.spheres.len() as u32).sum();
-        let properties = mass_properties(&body.spheres)?;
-        record.non_axial = properties.non_axial_fraction();
-        if record.non_axial > NON_AXIAL_WARNING {
-            let percent = 100.0 * record.non_axial;
-            self.observer.warn(&format!("leg {}: {percent:.1} % of the angular momentum is across the spin axis", state.leg));
-        }
-        let Answer::Moved(movements) = answer else {
-            self.ledger.stop(Part::Check, watch);
-            next.spheres = body.spheres;
-            next.refinement = state.refinement;
-            record.result = "quiet";
-            return self.commit_leg(record, next, None, &[]);
+        let (engine, observer) = (&mut self.engine, &mut *self.observer);
+        let check = check_spin(engine, self.scene, &state, leg.end.omega, &shape.record, observer, progress)?;
+        self.ledger.stop(if check.movement.is_some() { Part::Movement } else { Part::Check }, watch);
+        self.note_check(&mut record, &check)?;
+        next.spheres = check.body.spheres;
+        let Some(movement) = check.movement else {
+            return self.commit_leg(LegRecord { result: "quiet", ..record }, next, None, &[]);
         };
-        self.ledger.stop(Part::Movement, watch);
-        record.moved = movements.counts();
         let moved_fraction = f64::from(record.moved[0]) / state.spheres.len() as f64;
         if moved_fraction > self.scene.evolution.moved_fraction_limit && state.refinement < MAX_REFINEMENT {
             // Back to the start of the leg with a fifth of the increment.
-            record.result = "backtracked";
-            record.omega_after = state.omega;
-            let next = State { leg: next.leg, refinement: state.refinement + 1, ..state };
-            return self.commit_leg(record, next, None, &[]);
+            let back = State { leg: next.leg, refinement: state.refinement + 1, ..state };
+            return self.commit_leg(LegRecord { result: "backtracked", ..record }, back, None, &[]);
         }
-        record.result = "movement";
-        next.spheres = body.spheres;
-        next.sphere_ids = body.ids;
+        next.sphere_ids = check.body.ids;
         next.refinement = 0;
         next.configuration = Some(shape.record.configuration + 1);
-        let (object, moved) = next_object(self.scene, tiling, shape, &state, &next, &movements, &mut self.ledger)?;
+        next.omega = mass_properties(&next.spheres)?.spin_rate();
+        let (object, moved) = next_object(self.scene, original, shape, &state, &next, &movement, &mut self.ledger)?;
         *shape = object;
-        next.omega = shape.spin_rate;
-        record.omega_after = next.omega;
-        let losses: Vec<_> = departures.iter().flat_map(|d| losses(d, next.t_s, leg.end.omega)).collect();
-        next.outcome = departures.iter().find_map(|d| d.breakup).map(|b| match b {
+        let losses: Vec<_> = check.departures.iter().flat_map(|d| losses(d, next.t_s, leg.end.omega)).collect();
+        next.outcome = check.departures.iter().find_map(|d| d.breakup).map(|b| match b {
             Breakup::Fission => Outcome::Fission,
             Breakup::Disrupted => Outcome::Disrupted,
         });
@@ -302,25 +243,49 @@ impl Driver<'_> {
             next.stage = Stage::Finished;
         }
         self.movements += 1;
-        self.commit_leg(record, next, Some((&shape.record, &moved)), &losses)
+        self.commit_leg(LegRecord { result: "movement", ..record }, next, Some((&shape.record, &moved)), &losses)
+    }
+
+    /// Enters what the check found into the leg's row, and tells the user what is out of the ordinary.
+    fn note_check(&mut self, record: &mut LegRecord, check: &Check) -> Result<(), EvolveError> {
+        record.dynamics = check.dynamics;
+        record.settled = check.settled;
+        record.shed = check.departures.iter().map(|d| d.spheres.len() as u32).sum();
+        if let Some(movement) = &check.movement {
+            record.moved = [movement.count(), movement.robust_count, movement.literal_count].map(|n| n as u32);
+        }
+        let properties = mass_properties(&check.body.spheres)?;
+        let axial = properties.angular_momentum.dot(&properties.axes.column(2)) / properties.angular_momentum.norm();
+        record.non_axial = (1.0 - axial * axial).max(0.0).sqrt();
+        if record.non_axial > NON_AXIAL_WARNING && !std::mem::replace(&mut self.warned_non_axial, true) {
+            let percent = 100.0 * record.non_axial;
+            let leg = record.leg;
+            self.observer.warn(&format!("leg {leg}: {percent:.1} % of the angular momentum is across the spin axis (column non_axial; not told again)"));
+        }
+        if !check.settled {
+            let (leg, rotations) = (record.leg, check.dynamics.rotations);
+            self.observer.warn(&format!("leg {leg}: the body still moved after {rotations} rotations"));
+        }
+        Ok(())
     }
 
     fn commit_leg(
         &mut self,
-        mut leg: LegRecord,
+        leg: LegRecord,
         state: State,
         configuration: Option<(&ConfigurationRecord, &[MovementRecord])>,
         losses: &[LossRecord],
     ) -> Result<State, EvolveError> {
-        if leg.result != "backtracked" {
-            leg.omega_after = state.omega;
-        }
+        let leg = LegRecord { omega_after: state.omega, ..leg };
         let commit = LegCommit { leg: &leg, state: &state, configuration, losses };
         self.save(|store, ledger| store.save_leg(&commit, ledger))?;
         Ok(state)
     }
 
-    fn save(&mut self, write: impl FnOnce(&mut RunStore, &Ledger) -> Result<(), StoreError>) -> Result<(), EvolveError> {
+    fn save(
+        &mut self,
+        write: impl FnOnce(&mut RunStore, &Ledger) -> Result<(), StoreError>,
+    ) -> Result<(), EvolveError> {
         let watch = Stopwatch::start();
         write(&mut self.store, &self.ledger)?;
         self.ledger.stop(Part::Store, watch);
@@ -352,7 +317,7 @@ fn leg_record(state: &State, leg: &Leg) -> LegRecord {
         t_s: [state.t_s, leg.end.t_s],
         omega: [state.omega, leg.end.omega],
         obliquity: [state.obliquity, leg.end.obliquity],
-        reason: leg.reason.name(),
+        reason: reason_name(leg.reason),
         refinement: state.refinement,
         rk4_steps: leg.steps,
         spin_error: leg.error.omega,
@@ -367,28 +332,14 @@ fn leg_record(state: &State, leg: &Leg) -> LegRecord {
     }
 }
 
-fn losses(departures: &Departures, t_s: f64, omega: f64) -> Vec<LossRecord> {
-    let loss = |d: &super::shedding::Departure| LossRecord {
-        sphere: d.sphere,
-        t_s,
-        omega,
-        position: d.position,
-        velocity: d.velocity,
-        spin: d.spin,
-        energy_j_kg: d.energy_j_kg,
-    };
-    departures.spheres.iter().map(loss).collect()
-}
-
-/// Adds the work of `block` to `total`; drifts and overlaps keep their largest value.
-pub(super) fn add_dynamics(total: &mut DynamicsRecord, block: &Block) {
-    let d = &block.dynamics;
-    total.rotations += d.rotations;
-    total.collisions += d.collisions;
-    total.slide_rule += d.slide_rule;
-    total.collapse_rule += d.collapse_rule;
-    total.capped += d.capped;
-    total.max_overlap_radii = total.max_overlap_radii.max(d.max_overlap_radii);
-    total.momentum_drift = total.momentum_drift.max(d.momentum_drift);
-    total.angular_momentum_drift = total.angular_momentum_drift.max(d.angular_momentum_drift);
+/// Name of a reason in the database.
+fn reason_name(reason: StopReason) -> &'static str {
+    match reason {
+        StopReason::SpinChange => "spin_change",
+        StopReason::Extremum => "extremum",
+        StopReason::EndTime => "end_time",
+        StopReason::StopPeriod => "stop_period",
+        StopReason::EndState => "end_state",
+        StopReason::CycleEnd => "cycle_end",
+    }
 }

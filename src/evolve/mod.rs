@@ -1,6 +1,22 @@
-//! Evolution of spin and shape: the spin equations, the detection of movement, and the frames between objects.
+//! The coupled evolution of spin and shape: the hand-off loop and its parts.
+//!
+//! [`driver::run`] hands the body back and forth between radiation and dynamics; the other modules are what it is made of.
 
+pub mod aggregate;
+pub mod block;
+pub mod build;
+pub mod check;
+pub mod configuration;
+pub mod driver;
+mod error;
 pub mod movement;
+mod observer;
 pub mod orientation;
+pub mod relax;
 pub mod rigid;
+pub mod settling;
+pub mod shedding;
 pub mod spin;
+
+pub use error::EvolveError;
+pub use observer::{Observer, Progress, Silent};

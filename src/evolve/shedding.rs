@@ -6,14 +6,14 @@
 //! numbers are ours). What is lofted for a shorter time and lands is a movement, not a loss.
 
 use nalgebra::Vector3;
-use pkd::clusters::contact_clusters;
-use pkd::{Spheres, mass_properties, recentre};
+use pkd::Spheres;
+use pkd::clusters::{CONTACT_GAP_OVER_RADIUS, clusters, two_body_state};
+use pkd::frame::recentre;
+use pkd::mass_properties::mass_properties;
 
 use super::EvolveError;
 use super::block::Aggregate;
 
-/// Spheres closer than this gap, in radii of the smaller one, count as touching.
-const CONTACT_GAP_RADII: f64 = 0.05;
 /// A cluster farther from the body than this many of its long semi-axes has left.
 const FAR_SEMIAXES: f64 = 2.0;
 /// A departing cluster with at least this share of the mass is the other half of a fission.
@@ -32,8 +32,8 @@ pub struct Departure {
     pub velocity: [f64; 3],
     /// Spin, rad/s.
     pub spin: [f64; 3],
-    /// Two-body energy of its cluster relative to the body, J/kg.
-    pub energy_j_kg: f64,
+    /// Two-body energy of its cluster relative to the body, J.
+    pub energy_j: f64,
 }
 
 /// How a body broke up for good.
@@ -83,39 +83,34 @@ impl Departures {
 /// A sphere that is not finite.
 pub fn departures(start: &Spheres, aggregate: &Aggregate) -> Result<Departures, EvolveError> {
     let spheres = &aggregate.spheres;
-    let clusters = contact_clusters(spheres, CONTACT_GAP_RADII);
+    let clusters = clusters(spheres, CONTACT_GAP_OVER_RADIUS);
     let mut found = Departures { stays: vec![true; spheres.len()], spheres: Vec::new(), breakup: None };
     let [main, others @ ..] = clusters.as_slice() else { return Ok(found) };
     if others.is_empty() {
         return Ok(found);
     }
-    let main = members(spheres, main);
-    let body = mass_properties(&main)?;
+    let body = mass_properties(&spheres.filtered(&flags(spheres.len(), &main.members)))?;
     let total_mass = spheres.total_mass();
     let off_at_start = off_the_body(start);
     for other in others {
-        let cluster = members(spheres, other);
-        let properties = mass_properties(&cluster)?;
-        let (r, v) = (properties.centre - body.centre, properties.velocity - body.velocity);
-        let energy_j_kg = 0.5 * v.norm_squared() - pkd::constants::G * (body.mass + properties.mass) / r.norm();
-        let leaves = energy_j_kg > 0.0
-            || r.norm() > FAR_SEMIAXES * body.half_extents.x
-            || other.iter().all(|i| off_at_start[*i as usize]);
+        let relative = two_body_state(spheres, &main.members, &other.members);
+        let leaves = relative.energy > 0.0
+            || relative.position.norm() > FAR_SEMIAXES * body.half_extents.x
+            || other.members.iter().all(|i| off_at_start[*i as usize]);
         if !leaves {
             continue;
         }
-        if properties.mass >= FISSION_MASS_FRACTION * total_mass {
+        if other.mass >= FISSION_MASS_FRACTION * total_mass {
             found.breakup = Some(Breakup::Fission);
         }
-        for &i in other {
-            let i = i as usize;
+        for i in other.members.iter().map(|i| *i as usize) {
             found.stays[i] = false;
             found.spheres.push(Departure {
                 sphere: aggregate.ids[i],
                 position: (Vector3::from(spheres.position(i)) - body.centre).into(),
                 velocity: (Vector3::from(spheres.velocity(i)) - body.velocity).into(),
                 spin: spheres.spin(i),
-                energy_j_kg,
+                energy_j: relative.energy,
             });
         }
     }
@@ -128,21 +123,17 @@ pub fn departures(start: &Spheres, aggregate: &Aggregate) -> Result<Departures, 
 
 /// For each sphere whether it is outside the heaviest cluster.
 fn off_the_body(spheres: &Spheres) -> Vec<bool> {
-    let mut off = vec![true; spheres.len()];
-    if let Some(main) = contact_clusters(spheres, CONTACT_GAP_RADII).first() {
-        for i in main {
-            off[*i as usize] = false;
-        }
-    }
-    off
+    let clusters = clusters(spheres, CONTACT_GAP_OVER_RADIUS);
+    let on = clusters.first().map_or(Vec::new(), |main| flags(spheres.len(), &main.members));
+    on.iter().map(|on| !on).collect()
 }
 
-fn members(spheres: &Spheres, indices: &[u32]) -> Spheres {
-    let mut keep = vec![false; spheres.len()];
-    for i in indices {
-        keep[*i as usize] = true;
+fn flags(n: usize, members: &[u32]) -> Vec<bool> {
+    let mut flags = vec![false; n];
+    for i in members {
+        flags[*i as usize] = true;
     }
-    spheres.filtered(&keep)
+    flags
 }
 
 #[cfg(test)]
@@ -173,7 +164,7 @@ mod tests {
         let found = departures(&start, &aggregate).unwrap();
         assert_eq!(found.spheres.len(), 1);
         assert_eq!((found.spheres[0].sphere, found.breakup), (27, None));
-        assert!(found.spheres[0].energy_j_kg > 0.49);
+        assert!(found.spheres[0].energy_j > 0.0);
         found.remove_from(&mut aggregate).unwrap();
         assert_eq!((aggregate.spheres.len(), aggregate.ids.len()), (27, 27));
     }

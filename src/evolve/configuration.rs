@@ -1,0 +1,275 @@
+//! One shape of the body with its tiling and torques, in the original frame of object 0.
+//!
+//! The frame, the equivalent ellipsoid and the tiling's connectivity are fixed at object 0 (Cotto-Figueroa et al. 2015,
+//! section 2.4.2). Every later object is superposed on the previous one by its unmoved spheres, which keep their rows
+//! exactly: a sphere's place on record changes only when it has moved by more than the movement limit since it was
+//! recorded. So an unmoved neighbourhood keeps its tiling bit for bit, the frame cannot drift, and slow creep is found
+//! when it adds up. Moments and axes are those of the spheres where they really are.
+
+use nalgebra::{Matrix3, Vector3};
+use pkd::Spheres;
+use pkd::effective_potential::{effective_potentials, enclosed_mass_fractions};
+use pkd::frame::set_rigid_rotation;
+use pkd::mass_properties::mass_properties;
+use taco::{TorqueInterpolant, TorqueTable};
+use tiling::checks::FitReport;
+use tiling::hull::sphere_hull_volume;
+use tiling::implicit::ImplicitSurface;
+use tiling::project::EllipsoidTiling;
+use tiling::{Mesh, project};
+
+use super::EvolveError;
+use super::block::positions;
+use super::movement::Movement;
+use super::spin::TorqueFunction;
+use crate::scene::{Scene, TilingOptions};
+use crate::store::*;
+
+impl TorqueFunction for TorqueInterpolant {
+    fn at(&self, obliquity: f64, omega: f64) -> (f64, f64) {
+        TorqueInterpolant::at(self, obliquity, omega)
+    }
+}
+
+/// A configuration ready for spin legs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shape {
+    /// What is stored of it.
+    pub record: ConfigurationRecord,
+    /// Its torques between the nodes.
+    pub torque: TorqueInterpolant,
+}
+
+impl Shape {
+    /// The shape of a stored configuration.
+    ///
+    /// # Errors
+    /// A torque table that no build of this program can have written.
+    pub fn from_record(scene: &Scene, record: ConfigurationRecord) -> Result<Self, EvolveError> {
+        let torque = interpolant(scene, &record.torque)?;
+        Ok(Self { record, torque })
+    }
+
+    /// Moment of inertia about the spin axis, kg m^2.
+    pub fn inertia(&self) -> f64 {
+        self.record.moments_kg_m2[2]
+    }
+}
+
+/// The original frame and the ellipsoid in it: made from object 0, the same for the whole run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Original {
+    ellipsoid: EllipsoidTiling,
+    frame_rotation: [[f64; 3]; 3],
+}
+
+impl Original {
+    /// The principal-axis frame of `spheres` and the ellipsoid that has their B1 axis ratios and B3 density.
+    ///
+    /// # Errors
+    /// Spheres without a hull.
+    pub fn new(scene: &Scene, spheres: &Spheres) -> Result<Self, EvolveError> {
+        let properties = mass_properties(spheres)?;
+        let axes = properties.deeve_axes();
+        let volume = sphere_hull_volume(&spheres.x, &spheres.y, &spheres.z, &spheres.radius)?;
+        let scale = (volume / (4.0 / 3.0 * std::f64::consts::PI * axes.product())).cbrt();
+        let ellipsoid = EllipsoidTiling::new((axes * scale).into(), scene.tiling.vertices())?;
+        Ok(Self { ellipsoid, frame_rotation: rows(&properties.axes.transpose()) })
+    }
+
+    /// The frame and ellipsoid on record.
+    ///
+    /// # Errors
+    /// Axes that no build of this program can have written.
+    pub fn from_record(scene: &Scene, record: &TilingRecord) -> Result<Self, EvolveError> {
+        let ellipsoid = EllipsoidTiling::new(record.ellipsoid_axes_m, scene.tiling.vertices())?;
+        Ok(Self { ellipsoid, frame_rotation: record.frame_rotation })
+    }
+
+    /// What is stored of it.
+    pub fn record(&self) -> TilingRecord {
+        TilingRecord {
+            facets: self.ellipsoid.mesh.facets.clone(),
+            ellipsoid_axes_m: self.ellipsoid.semi_axes,
+            frame_rotation: self.frame_rotation,
+        }
+    }
+}
+
+/// Object 0: the settled aggregate of `state`.
+///
+/// # Errors
+/// The body cannot be tiled, or its torques are not finite.
+pub fn object_0(scene: &Scene, original: &Original, state: &State, ledger: &mut Ledger) -> Result<Shape, EvolveError> {
+    let properties = mass_properties(&state.spheres)?;
+    let to_original = properties.axes.transpose();
+    let centres: Vec<[f64; 3]> = (0..state.spheres.len())
+        .map(|i| (to_original * (Vector3::from(state.spheres.position(i)) - properties.centre)).into())
+        .collect();
+    let placed = placed(&state.spheres, &centres, &to_original)?;
+    let origin = Origin { number: 0, after_leg: None, t_s: state.t_s };
+    shape(scene, original, origin, &placed, &state.sphere_ids, None, ledger)
+}
+
+/// The object that follows `previous` after `movement`, with what each moved sphere did; `before` and `after` are the
+/// states around the check that moved it.
+///
+/// # Errors
+/// The body cannot be tiled, or its torques are not finite.
+pub fn next_object(
+    scene: &Scene,
+    original: &Original,
+    previous: &Shape,
+    before: &State,
+    after: &State,
+    movement: &Movement,
+    ledger: &mut Ledger,
+) -> Result<(Shape, Vec<MovementRecord>), EvolveError> {
+    let old = &previous.record;
+    let to_original = movement.motion.inverse();
+    let mut old_rows = old.sphere_ids.iter().zip(&old.positions);
+    let centres = after.sphere_ids.iter().enumerate().map(|(i, id)| {
+        let row = old_rows.find(|(old_id, _)| *old_id == id).map(|(_, position)| *position);
+        match row {
+            Some(position) if !movement.moved[i] => position,
+            _ => to_original.apply(Vector3::from(after.spheres.position(i))).into(),
+        }
+    });
+    let centres: Vec<[f64; 3]> = centres.collect();
+    let placed = placed(&after.spheres, &centres, &to_original.rotation)?;
+    let origin = Origin { number: old.configuration + 1, after_leg: Some(before.leg), t_s: after.t_s };
+    let shape = shape(scene, original, origin, &placed, &after.sphere_ids, Some(previous), ledger)?;
+    Ok((shape, movements(before, after, movement)?))
+}
+
+/// Which spheres moved how far, and how deep they sat before.
+fn movements(before: &State, after: &State, movement: &Movement) -> Result<Vec<MovementRecord>, EvolveError> {
+    let properties = mass_properties(&before.spheres)?;
+    let potentials = effective_potentials(&before.spheres, properties.angular_velocity())?;
+    let depths = enclosed_mass_fractions(&potentials);
+    let mut rows = before.sphere_ids.iter().zip(&depths);
+    let mut moved = Vec::new();
+    for (i, id) in after.sphere_ids.iter().enumerate() {
+        let depth = rows.find(|(row, _)| *row == id).map_or(f64::NAN, |(_, depth)| *depth);
+        if movement.moved[i] {
+            moved.push(MovementRecord {
+                sphere: *id,
+                displacement_m: movement.residual_m[i],
+                enclosed_mass_fraction: depth,
+            });
+        }
+    }
+    Ok(moved)
+}
+
+/// Where an object comes from.
+#[derive(Clone, Copy)]
+struct Origin {
+    number: u32,
+    after_leg: Option<u32>,
+    t_s: f64,
+}
+
+/// Tiles the `placed` spheres (original frame), starting from the previous tiling where there is one, and computes their
+/// moments and torques.
+fn shape(
+    scene: &Scene,
+    original: &Original,
+    origin: Origin,
+    placed: &Spheres,
+    ids: &[u32],
+    previous: Option<&Shape>,
+    ledger: &mut Ledger,
+) -> Result<Shape, EvolveError> {
+    let properties = mass_properties(placed)?;
+    let body_axes = properties.axes.transpose();
+    let (fit, hull) = ledger.time(Part::Tiling, || {
+        let hull = sphere_hull_volume(&placed.x, &placed.y, &placed.z, &placed.radius)?;
+        Ok::<_, EvolveError>((fit(scene, original, placed, previous)?, hull))
+    })?;
+    let report = FitReport::new(&original.ellipsoid, &fit.mesh);
+    let body_mesh = fit.mesh.translated((-properties.centre).into()).rotated(&body_axes);
+    let table = ledger.time(Part::Torque, || {
+        let (surface, orbit) = (scene.surface.to_taco(), scene.orbit.to_taco());
+        taco::torque_table(&body_mesh, &surface, &orbit, &scene.torque.to_taco())
+    })?;
+    let record = ConfigurationRecord {
+        configuration: origin.number,
+        after_leg: origin.after_leg,
+        t_s: origin.t_s,
+        mass_kg: properties.mass,
+        sphere_ids: ids.to_vec(),
+        positions: positions(placed),
+        body_axes: rows(&body_axes),
+        centre_of_mass: properties.centre.into(),
+        moments_kg_m2: properties.moments.into(),
+        b1_axes_m: properties.deeve_axes().into(),
+        b2_axes_m: properties.half_extents.into(),
+        densities_kg_m3: [
+            properties.deeve_density(),
+            properties.extents_density(),
+            properties.mass / hull,
+            properties.mass / report.volume,
+        ],
+        vertices: fit.mesh.vertices,
+        vertices_kept: fit.kept as u32,
+        vertices_flagged: fit.flagged.len() as u32,
+        facets_folded: report.folded.len() as u32,
+        torque: TorqueRecord {
+            obliquity: table.obliquity,
+            spin_rate: table.omega,
+            spin_torque: table.spin_torque_n_m.concat(),
+            obliquity_torque: table.obliquity_torque_n_m.concat(),
+            spin_torque_error: table.error.spin_torque_n_m,
+            obliquity_torque_error: table.error.obliquity_torque_n_m,
+        },
+    };
+    Shape::from_record(scene, record)
+}
+
+/// The spheres of `present` at `centres`, turning rigidly as `motion` turns their angular momentum: a body in the
+/// original frame whose principal axes have the spin along +z.
+fn placed(present: &Spheres, centres: &[[f64; 3]], to_original: &Matrix3<f64>) -> Result<Spheres, EvolveError> {
+    let mut spheres = Spheres::default();
+    for (i, centre) in centres.iter().enumerate() {
+        spheres.push(*centre, [0.0; 3], [0.0; 3], present.mass[i], present.radius[i]);
+    }
+    let omega = mass_properties(present)?.angular_velocity();
+    set_rigid_rotation(&mut spheres, to_original * omega)?;
+    Ok(spheres)
+}
+
+fn fit(
+    scene: &Scene,
+    original: &Original,
+    s: &Spheres,
+    previous: Option<&Shape>,
+) -> Result<project::Tiling, EvolveError> {
+    let TilingOptions { exponent, level, .. } = scene.tiling;
+    let surface = ImplicitSurface::new(&s.x, &s.y, &s.z, &s.radius, exponent, level)?;
+    Ok(match previous {
+        None => original.ellipsoid.projected(&surface),
+        Some(shape) => {
+            let mesh = Mesh { vertices: shape.record.vertices.clone(), facets: original.ellipsoid.mesh.facets.clone() };
+            original.ellipsoid.retiled(&surface, &mesh)?
+        }
+    })
+}
+
+/// The look-up of a stored table.
+fn interpolant(scene: &Scene, record: &TorqueRecord) -> Result<TorqueInterpolant, EvolveError> {
+    let by_spin_rate = |values: &[f64]| values.chunks(record.obliquity.len().max(1)).map(<[f64]>::to_vec).collect();
+    let table = TorqueTable {
+        obliquity: record.obliquity.clone(),
+        omega: record.spin_rate.clone(),
+        spin_torque_n_m: by_spin_rate(&record.spin_torque),
+        obliquity_torque_n_m: by_spin_rate(&record.obliquity_torque),
+        error: taco::TorqueError::default(),
+        shaded_facets: 0,
+    };
+    Ok(table.interpolant(scene.torque.interpolation.to_taco())?)
+}
+
+fn rows(m: &Matrix3<f64>) -> [[f64; 3]; 3] {
+    [0, 1, 2].map(|i| [0, 1, 2].map(|j| m[(i, j)]))
+}

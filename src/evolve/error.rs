@@ -1,0 +1,51 @@
+//! Why an evolution stopped before its end.
+
+use crate::exchange::{AggregateFileError, MeshFileError};
+use crate::store::StoreError;
+
+use super::spin::SpinError;
+
+/// Failure of a run.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum EvolveError {
+    /// The run directory cannot be used.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    /// The aggregate file of the scene was refused.
+    #[error(transparent)]
+    AggregateFile(#[from] AggregateFileError),
+    /// The mesh file of the scene was refused.
+    #[error(transparent)]
+    MeshFile(#[from] MeshFileError),
+    /// The aggregate cannot be made as the scene asks.
+    #[error("the aggregate cannot be made: {0}")]
+    Aggregate(pkd::PkdError),
+    /// The dynamics of the spheres failed.
+    #[error("the dynamics of the spheres failed: {0}")]
+    Dynamics(#[from] pkd::PkdError),
+    /// The body cannot be tiled.
+    #[error("the body cannot be tiled: {0}")]
+    Tiling(#[from] tiling::TilingError),
+    /// The torques cannot be computed.
+    #[error("the torques cannot be computed: {0}")]
+    Torque(#[from] taco::TacoError),
+    /// The spin cannot be integrated.
+    #[error("the spin cannot be integrated: {0}")]
+    Spin(#[from] SpinError),
+    /// The body fell apart before there was an object 0.
+    #[error(
+        "the body fell apart after {rotations} rotations of settling: it does not bear the scene's spin; \
+         give it a longer spin.period_h"
+    )]
+    BrokeUpWhileSettling {
+        /// Rotations done.
+        rotations: u32,
+    },
+    /// Rotations were asked of a body that does not rotate.
+    #[error("the aggregate does not rotate; give it a period or ask for seconds")]
+    NoRotation,
+    /// The observer asked to stop; whatever was committed stays.
+    #[error("interrupted; what was done until now is saved and --resume goes on")]
+    Interrupted,
+}

@@ -1,0 +1,102 @@
+//! Settling of a freshly made aggregate, block by block, until a block of rotations shows no movement.
+
+use pkd::Spheres;
+use pkd::hard_sphere::HardSphere;
+use pkd::mass_properties::mass_properties;
+
+use super::block::{Aggregate, evolve_block};
+use super::shedding::Departures;
+use super::{EvolveError, Observer, Progress};
+use crate::scene::Scene;
+use crate::store::{LossRecord, SettlingRecord, Stage, State};
+
+/// The state of a run whose aggregate has just been made.
+///
+/// # Errors
+/// A sphere that is not finite.
+pub fn begin(scene: &Scene, spheres: Spheres) -> Result<State, EvolveError> {
+    Ok(State {
+        stage: Stage::Built,
+        outcome: None,
+        blocks: 0,
+        leg: 0,
+        configuration: None,
+        refinement: 0,
+        t_s: 0.0,
+        omega: mass_properties(&spheres)?.spin_rate(),
+        obliquity: scene.spin.obliquity_rad(),
+        sphere_ids: (0..spheres.len() as u32).collect(),
+        spheres,
+    })
+}
+
+/// One block of settling: the state after it, its record, and what left the body.
+///
+/// The stage becomes [`Stage::Settled`] when nothing moved or the scene's rotations are used up.
+///
+/// # Errors
+/// The integration failed, the body fell apart, or the observer asked to stop.
+pub fn settle_block(
+    scene: &Scene,
+    engine: &mut HardSphere,
+    mut state: State,
+    observer: &mut dyn Observer,
+) -> Result<(State, SettlingRecord, Vec<LossRecord>), EvolveError> {
+    let settling = &scene.settling;
+    let done = state.blocks * settling.rotations;
+    let mut body = Aggregate { spheres: state.spheres, ids: state.sphere_ids };
+    let block = evolve_block(
+        engine,
+        &mut body,
+        settling.rotations.min(settling.max_rotations - done),
+        scene.evolution.movement_radius_fraction,
+        observer,
+        |rotation, observer| observer.progress(Progress::Settling { rotations: done + rotation }),
+    )?;
+    let rotations = done + block.dynamics.rotations;
+    if block.departures.breakup.is_some() {
+        return Err(EvolveError::BrokeUpWhileSettling { rotations });
+    }
+    let properties = mass_properties(&body.spheres)?;
+    let axes = properties.deeve_axes();
+    let record = SettlingRecord {
+        block: state.blocks,
+        period_s: block.period_s,
+        moved: block.moved,
+        max_displacement_radii: block.max_displacement_radii,
+        b_over_a: axes.y / axes.x,
+        c_over_a: axes.z / axes.x,
+        dynamics: block.dynamics,
+        shed: block.departures.spheres.len() as u32,
+    };
+    state.spheres = body.spheres;
+    state.sphere_ids = body.ids;
+    state.omega = properties.spin_rate();
+    state.blocks += 1;
+    let quiet = block.moved == 0 && record.shed == 0;
+    if quiet || rotations >= settling.max_rotations {
+        state.stage = Stage::Settled;
+    }
+    if !quiet && state.stage == Stage::Settled {
+        let moved = block.moved;
+        observer.warn(&format!(
+            "the body still moves after {rotations} rotations (settling.max_rotations): {moved} spheres in the last block"
+        ));
+    }
+    let losses = losses(&block.departures, 0.0, state.omega);
+    Ok((state, record, losses))
+}
+
+/// The departures of a block as rows of the run database.
+pub fn losses(departures: &Departures, t_s: f64, omega: f64) -> Vec<LossRecord> {
+    let loss = |d: &super::shedding::Departure| LossRecord {
+        sphere: d.sphere,
+        t_s,
+        omega,
+        position: d.position,
+        velocity: d.velocity,
+        spin: d.spin,
+        energy_j: d.energy_j,
+    };
+    departures.spheres.iter().map(loss).collect()
+}

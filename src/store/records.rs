@@ -1,0 +1,311 @@
+//! The rows of a run database as plain data; columns are described in `schema.sql`.
+
+use pkd::Spheres;
+
+/// How far a run has come.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stage {
+    /// The aggregate exists and has not settled yet.
+    Built,
+    /// The aggregate is at rest in its rotating frame.
+    Settled,
+    /// Object 0 and its torques exist; legs follow.
+    Evolving,
+    /// Nothing can follow: see [`State::outcome`].
+    Finished,
+}
+
+impl Stage {
+    /// Name in the database.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Built => "built",
+            Self::Settled => "settled",
+            Self::Evolving => "evolving",
+            Self::Finished => "finished",
+        }
+    }
+
+    /// The stage of that name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        [Self::Built, Self::Settled, Self::Evolving, Self::Finished].into_iter().find(|s| s.name() == name)
+    }
+}
+
+/// How a run, or the part of it that was asked for, ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outcome {
+    /// `evolution.duration_myr` was reached.
+    EndTime,
+    /// `--until-myr` was reached.
+    Until,
+    /// The period grew beyond `evolution.stop_period_h`, or the spin reached the end of its YORP cycle.
+    SpunDown,
+    /// A piece of at least a tenth of the mass separated.
+    Fission,
+    /// The largest piece holds less than half of the mass.
+    Disrupted,
+}
+
+impl Outcome {
+    /// Name in the database and in JSON.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::EndTime => "end_time",
+            Self::Until => "until",
+            Self::SpunDown => "spun_down",
+            Self::Fission => "fission",
+            Self::Disrupted => "disrupted",
+        }
+    }
+
+    /// The outcome of that name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        [Self::EndTime, Self::Until, Self::SpunDown, Self::Fission, Self::Disrupted]
+            .into_iter()
+            .find(|o| o.name() == name)
+    }
+}
+
+/// What the next turn of the loop starts from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct State {
+    /// Progress.
+    pub stage: Stage,
+    /// Set when finished.
+    pub outcome: Option<Outcome>,
+    /// Settling blocks done.
+    pub blocks: u32,
+    /// Legs done.
+    pub leg: u32,
+    /// Present configuration; `None` before object 0.
+    pub configuration: Option<u32>,
+    /// How often the spin increment has been cut to a fifth.
+    pub refinement: u32,
+    /// Evolution time, s.
+    pub t_s: f64,
+    /// Spin rate, rad/s.
+    pub omega: f64,
+    /// Obliquity, rad.
+    pub obliquity: f64,
+    /// The aggregate, inertial frame.
+    pub spheres: Spheres,
+    /// Row of each sphere in table `sphere`, ascending.
+    pub sphere_ids: Vec<u32>,
+}
+
+/// Work and conservation counters of a stretch of dynamics.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct DynamicsRecord {
+    /// Rotations done.
+    pub rotations: u32,
+    /// Collisions resolved.
+    pub collisions: u64,
+    /// Of these, by the slide rule.
+    pub slide_rule: u64,
+    /// Of these, by the collapse rule.
+    pub collapse_rule: u64,
+    /// Of these, beyond the cap per sphere and step.
+    pub capped: u64,
+    /// Deepest overlap seen, in radii of the smaller sphere.
+    pub max_overlap_radii: f64,
+    /// Change of the linear momentum over the sum of m|v|.
+    pub momentum_drift: f64,
+    /// Relative change of the angular momentum.
+    pub angular_momentum_drift: f64,
+}
+
+impl DynamicsRecord {
+    /// Adds the work of a later stretch; drifts and overlaps keep their largest value.
+    pub fn add(&mut self, later: &Self) {
+        self.rotations += later.rotations;
+        self.collisions += later.collisions;
+        self.slide_rule += later.slide_rule;
+        self.collapse_rule += later.collapse_rule;
+        self.capped += later.capped;
+        self.max_overlap_radii = self.max_overlap_radii.max(later.max_overlap_radii);
+        self.momentum_drift = self.momentum_drift.max(later.momentum_drift);
+        self.angular_momentum_drift = self.angular_momentum_drift.max(later.angular_momentum_drift);
+    }
+}
+
+/// One block of settling.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SettlingRecord {
+    /// Number of the block, from 0.
+    pub block: u32,
+    /// Rotation period at the block's start, s.
+    pub period_s: f64,
+    /// Spheres displaced beyond the movement limit in this block.
+    pub moved: u32,
+    /// Largest displacement in radii.
+    pub max_displacement_radii: f64,
+    /// B1 axis ratio b/a at the end.
+    pub b_over_a: f64,
+    /// B1 axis ratio c/a at the end.
+    pub c_over_a: f64,
+    /// Work counters.
+    pub dynamics: DynamicsRecord,
+    /// Spheres removed at the end.
+    pub shed: u32,
+}
+
+/// What all tilings of a run share.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TilingRecord {
+    /// Vertex indices of the facets.
+    pub facets: Vec<[u32; 3]>,
+    /// Semi-axes of the original equivalent ellipsoid, m.
+    pub ellipsoid_axes_m: [f64; 3],
+    /// Rotation from the inertial to the original frame at object 0, rows.
+    pub frame_rotation: [[f64; 3]; 3],
+}
+
+/// One shape of the body, with its torques.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ConfigurationRecord {
+    /// Number, from 0.
+    pub configuration: u32,
+    /// Leg whose check produced it; `None` for object 0.
+    pub after_leg: Option<u32>,
+    /// Time of its birth, s.
+    pub t_s: f64,
+    /// Mass, kg.
+    pub mass_kg: f64,
+    /// Spheres it consists of.
+    pub sphere_ids: Vec<u32>,
+    /// Centres in the original frame, m; spheres that did not move keep their earlier values exactly.
+    pub positions: Vec<[f64; 3]>,
+    /// Rotation from the original to the body frame, rows.
+    pub body_axes: [[f64; 3]; 3],
+    /// Centre of mass in the original frame, m.
+    pub centre_of_mass: [f64; 3],
+    /// Principal moments A <= B <= C, kg m^2.
+    pub moments_kg_m2: [f64; 3],
+    /// Axes of the dynamically equivalent ellipsoid, m.
+    pub b1_axes_m: [f64; 3],
+    /// Half extents, m.
+    pub b2_axes_m: [f64; 3],
+    /// Densities by the definitions B1 to B4, kg/m^3.
+    pub densities_kg_m3: [f64; 4],
+    /// Tiling vertices in the original frame, m.
+    pub vertices: Vec<[f64; 3]>,
+    /// Vertices equal to the previous configuration's.
+    pub vertices_kept: u32,
+    /// Vertices that needed the fallback direction.
+    pub vertices_flagged: u32,
+    /// Facets turned over with respect to the ellipsoid's.
+    pub facets_folded: u32,
+    /// Torques.
+    pub torque: TorqueRecord,
+}
+
+/// A torque table with its error estimate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TorqueRecord {
+    /// Obliquity nodes, rad.
+    pub obliquity: Vec<f64>,
+    /// Spin-rate nodes, rad/s.
+    pub spin_rate: Vec<f64>,
+    /// Spin torque at (spin rate, obliquity), row-major, N m.
+    pub spin_torque: Vec<f64>,
+    /// Obliquity torque likewise, N m.
+    pub obliquity_torque: Vec<f64>,
+    /// Error estimate of the spin torque, N m.
+    pub spin_torque_error: f64,
+    /// Error estimate of the obliquity torque, N m.
+    pub obliquity_torque_error: f64,
+}
+
+/// One pass through the loop.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LegRecord {
+    /// Number, from 0.
+    pub leg: u32,
+    /// Configuration whose torques drove it.
+    pub configuration: u32,
+    /// Start and end, s.
+    pub t_s: [f64; 2],
+    /// Spin rate at start and end, rad/s.
+    pub omega: [f64; 2],
+    /// Obliquity at start and end, rad.
+    pub obliquity: [f64; 2],
+    /// Why it ended.
+    pub reason: &'static str,
+    /// How often the spin increment had been cut to a fifth.
+    pub refinement: u32,
+    /// Steps of the spin integrator.
+    pub rk4_steps: u64,
+    /// Step-doubling error of the spin rate, relative.
+    pub spin_error: f64,
+    /// Step-doubling error of the obliquity, rad.
+    pub obliquity_error: f64,
+    /// Whether and how the body answered.
+    pub result: &'static str,
+    /// Spin rate that the next leg starts from, rad/s.
+    pub omega_after: f64,
+    /// Work counters of the check.
+    pub dynamics: DynamicsRecord,
+    /// Spheres moved by the scene's rule, by the robust rule, by the literal rule.
+    pub moved: [u32; 3],
+    /// Whether the body was at rest at the end.
+    pub settled: bool,
+    /// Share of the angular momentum across the spin axis.
+    pub non_axial: f64,
+    /// Spheres removed.
+    pub shed: u32,
+}
+
+/// One sphere's part in a movement.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MovementRecord {
+    /// Sphere.
+    pub sphere: u32,
+    /// Displacement after the rigid motion is taken out, m.
+    pub displacement_m: f64,
+    /// Rank by effective potential before the movement, over N.
+    pub enclosed_mass_fraction: f64,
+}
+
+/// One sphere that left.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LossRecord {
+    /// Sphere.
+    pub sphere: u32,
+    /// Evolution time, s.
+    pub t_s: f64,
+    /// Spin rate of the body, rad/s.
+    pub omega: f64,
+    /// Position relative to the body's centre of mass, inertial axes, m.
+    pub position: [f64; 3],
+    /// Velocity likewise, m/s.
+    pub velocity: [f64; 3],
+    /// Its own spin, rad/s.
+    pub spin: [f64; 3],
+    /// Two-body energy of its cluster relative to the main body, J.
+    pub energy_j: f64,
+}
+
+/// A sample of the rigid reference curve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RigidRecord {
+    /// Time, s.
+    pub t_s: f64,
+    /// Spin rate, rad/s.
+    pub omega: f64,
+    /// Obliquity, rad.
+    pub obliquity: f64,
+}
+
+/// Where a run, or the part of it that was asked for, ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ending {
+    /// Time, s.
+    pub t_s: f64,
+    /// Spin rate, rad/s.
+    pub omega: f64,
+    /// Obliquity, rad.
+    pub obliquity: f64,
+    /// How.
+    pub outcome: Outcome,
+}
