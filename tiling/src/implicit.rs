@@ -26,7 +26,6 @@ pub struct ImplicitSurface {
     level: f64,
     /// Smallest and largest radius, m.
     radii: (f64, f64),
-    avx2: bool,
 }
 
 /// What the sum says about a point and its surroundings.
@@ -82,7 +81,6 @@ impl ImplicitSurface {
             exponent,
             level,
             radii: (smallest, largest),
-            avx2: avx2_available(),
         })
     }
 
@@ -123,8 +121,8 @@ impl ImplicitSurface {
 
     fn sum(&self, point: [f64; 3]) -> (f64, f64) {
         #[cfg(target_arch = "x86_64")]
-        if self.avx2 {
-            // SAFETY: the flag is set only where the processor reports AVX2.
+        if is_x86_feature_detected!("avx2") {
+            // SAFETY: the line above.
             return unsafe { self.sum_avx2(point) };
         }
         self.sum_portable(point)
@@ -165,16 +163,6 @@ impl ImplicitSurface {
         }
         (sums.iter().sum(), nearest.iter().copied().fold(f64::INFINITY, f64::min))
     }
-}
-
-#[cfg(target_arch = "x86_64")]
-fn avx2_available() -> bool {
-    is_x86_feature_detected!("avx2")
-}
-
-#[cfg(not(target_arch = "x86_64"))]
-fn avx2_available() -> bool {
-    false
 }
 
 #[cfg(test)]

@@ -34,7 +34,7 @@ pub fn convex_hull(points: &[[f64; 3]]) -> Result<Mesh, TilingError> {
         let moved: Vec<Vector3<f64>> = moved.collect();
         let facets = Hull::of(&moved, THICKNESS * size)?.facets();
         let mesh = in_use(&moved, facets);
-        is_hull(&mesh, &moved, size).then_some(mesh)
+        is_convex(&mesh, size).then_some(mesh)
     };
     JOGGLES.iter().find_map(attempt).ok_or(failed)
 }
@@ -49,17 +49,14 @@ fn in_use(points: &[Vector3<f64>], mut facets: Vec<[u32; 3]>) -> Mesh {
     Mesh { vertices: used.iter().map(|v| points[*v].into()).collect(), facets }
 }
 
-/// Whether a mesh is closed, convex and has all points inside.
-fn is_hull(mesh: &Mesh, points: &[Vector3<f64>], size: f64) -> bool {
+/// Whether a mesh is closed and convex at every edge, hence convex.
+fn is_convex(mesh: &Mesh, size: f64) -> bool {
     let below = |f: usize, p: &Vector3<f64>| {
         let [a, b, c] = mesh.corners(f);
         (b - a).cross(&(c - a)).dot(&(p - a)) < 1e-9 * size.powi(3)
     };
-    // A closed surface that is convex at every edge is convex.
     let convex = || mesh.edge_neighbours().all(|(_, left, right)| mesh.corners(right).iter().all(|p| below(left, p)));
-    let left_out = mesh.vertices.len() < points.len();
-    let contains_all = || points.iter().all(|p| (0..mesh.facets.len()).all(|f| below(f, p)));
-    mesh.check_edges().is_ok() && mesh.euler_characteristic() == 2 && convex() && (!left_out || contains_all())
+    mesh.check_edges().is_ok() && mesh.euler_characteristic() == 2 && convex()
 }
 
 /// A hull under construction.
@@ -209,6 +206,7 @@ impl<'a> Hull<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     #[test]
     fn cube_with_points_inside_on_its_faces_and_twice_is_a_cube() {
@@ -218,6 +216,43 @@ mod tests {
         points.extend(points.clone());
         let hull = convex_hull(&points).unwrap();
         assert!((hull.volume() - 8.0).abs() < 1e-3, "{}", hull.volume());
+    }
+
+    fn contains_all(hull: &Mesh, points: &[[f64; 3]], thickness: f64) -> bool {
+        (0..hull.facets.len()).all(|f| {
+            let (normal, on) = (hull.normal(f), hull.corners(f)[0]);
+            points.iter().all(|p| normal.dot(&(Vector3::from(*p) - on)) < thickness)
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn prop_hull_contains_all_points_and_is_a_closed_surface(
+            points in prop::collection::vec(prop::array::uniform3(-1.0f64..1.0), 4..60),
+        ) {
+            let hull = convex_hull(&points).unwrap();
+            prop_assert!(contains_all(&hull, &points, 1e-9));
+            prop_assert!(hull.euler_characteristic() == 2 && hull.volume() > 0.0);
+            prop_assert!(hull.vertices.iter().all(|v| points.contains(v)));
+        }
+
+        /// Small integers: many points twice, on lines and in planes.
+        #[test]
+        fn prop_hull_of_lattice_points_contains_them_or_they_are_flat(
+            points in prop::collection::vec(prop::array::uniform3(-2i32..=2), 4..80),
+        ) {
+            let points: Vec<[f64; 3]> = points.iter().map(|p| p.map(f64::from)).collect();
+            match convex_hull(&points) {
+                Ok(hull) => prop_assert!(contains_all(&hull, &points, 1e-3) && hull.volume() > 0.1),
+                Err(_) => {
+                    let p = points.iter().map(|p| Vector3::from(*p)).collect::<Vec<_>>();
+                    let spans = |b: &Vector3<f64>, c: &Vector3<f64>| {
+                        p.iter().any(|d| (b - p[0]).cross(&(c - p[0])).dot(&(d - p[0])) != 0.0)
+                    };
+                    prop_assert!(!p.iter().any(|b| p.iter().any(|c| spans(b, c))));
+                }
+            }
+        }
     }
 
     #[test]
