@@ -4,6 +4,7 @@
 //! SI units and `f64` inside; a name that is not SI carries its unit.
 #![warn(missing_docs)]
 
+pub mod accuracy;
 pub mod cli;
 pub mod evolve;
 pub mod exchange;

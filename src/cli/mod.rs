@@ -2,6 +2,7 @@
 //!
 //! Results go to stdout, at the end and only on success; everything else goes to stderr.
 
+mod accuracy;
 pub mod error;
 mod output;
 mod plan;
@@ -27,6 +28,8 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Measure error against run time of the numerical knobs
+    Accuracy(accuracy::Arguments),
     /// Show what a scene would run, what is left out, and why
     Plan(plan::Arguments),
     /// Print the JSON Schema of a scene
@@ -59,6 +62,7 @@ fn execute(cli: &Cli) -> Result<(), CliError> {
         pool.build_global().map_err(CliError::input)?;
     }
     match &cli.command {
+        Command::Accuracy(arguments) => accuracy::run(arguments, cli.json),
         Command::Plan(arguments) => plan::run(arguments, cli.json),
         Command::Schema => schema::run(),
     }

@@ -1,0 +1,152 @@
+//! Error against run time of the numerical knobs: what `yorp accuracy` measures.
+//!
+//! Each knob is varied with everything else at its default, against a reference that is exact or the same thing at the
+//! highest resolution. Errors are functions of the build alone; the seconds are CPU seconds of this machine, summed
+//! over threads, because they are what a busy machine does not change.
+
+mod body;
+mod facets;
+mod figure;
+mod hard_sphere_step;
+mod page;
+
+use serde::Serialize;
+
+use body::Bench;
+
+pub use figure::{FigureError, save_png, svg};
+pub use page::page;
+
+/// How much time a measurement may take.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Effort {
+    /// A small body and few points: seconds.
+    Quick,
+    /// The thousand-sphere body of the papers: minutes.
+    Full,
+}
+
+/// A numerical knob that can be measured.
+pub trait Knob: Sync {
+    /// What it is called and what its error means.
+    fn about(&self) -> About;
+    /// Measures it, from coarse to fine.
+    ///
+    /// # Errors
+    /// Whatever the module behind it reports.
+    fn points(&self, bench: &mut Bench) -> Result<Vec<Point>, AccuracyError>;
+}
+
+/// The words and the default that go with a knob.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct About {
+    /// Name of the knob, unique.
+    pub name: &'static str,
+    /// Module it belongs to.
+    pub part: &'static str,
+    /// Unit of its values.
+    pub unit: &'static str,
+    /// Key of the scene that sets it.
+    pub scene_key: &'static str,
+    /// Value that a scene has unless it says otherwise.
+    pub default: f64,
+    /// What the error is, and against what.
+    pub error_is: &'static str,
+}
+
+/// One setting of a knob.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Point {
+    /// The setting.
+    pub value: f64,
+    /// Its error as [`About::error_is`] defines it, dimensionless.
+    pub error: f64,
+    /// Half the range of the error over perturbed copies; `None` where nothing is chaotic.
+    pub spread: Option<f64>,
+    /// CPU seconds.
+    pub seconds: f64,
+}
+
+/// A measured knob.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Curve {
+    /// The knob.
+    #[serde(flatten)]
+    pub about: About,
+    /// Its settings from coarse to fine.
+    pub points: Vec<Point>,
+}
+
+/// All measured knobs.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Accuracy {
+    /// One curve per knob.
+    pub knobs: Vec<Curve>,
+    /// How it was measured.
+    pub effort: Effort,
+}
+
+/// Why a measurement failed.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum AccuracyError {
+    /// No knob or module of that name.
+    #[error("there is no knob or part `{name}`; there are: {known}")]
+    UnknownPart {
+        /// What was asked for.
+        name: String,
+        /// Names of the parts and knobs.
+        known: String,
+    },
+    /// The dynamics of the spheres failed.
+    #[error("the dynamics of the spheres failed: {0}")]
+    Dynamics(#[from] pkd::PkdError),
+    /// The body cannot be tiled.
+    #[error("the body cannot be tiled: {0}")]
+    Tiling(#[from] tiling::TilingError),
+    /// The torques cannot be computed.
+    #[error("the torques cannot be computed: {0}")]
+    Torque(#[from] taco::TacoError),
+}
+
+/// Every knob there is, in the order of the hand-off loop.
+pub fn knobs() -> [&'static dyn Knob; 2] {
+    [&hard_sphere_step::HardSphereStep, &facets::Facets]
+}
+
+/// Measures all knobs, or those whose name or part is `part`; `progress` gets a line of text per point.
+///
+/// # Errors
+/// [`AccuracyError::UnknownPart`], or what the measured module reports.
+pub fn measure(part: Option<&str>, effort: Effort, progress: &mut dyn FnMut(&str)) -> Result<Accuracy, AccuracyError> {
+    let chosen: Vec<_> = knobs()
+        .into_iter()
+        .filter(|knob| part.is_none_or(|p| knob.about().name == p || knob.about().part == p))
+        .collect();
+    if let (Some(name), []) = (part, &chosen[..]) {
+        let mut known: Vec<_> = knobs().iter().flat_map(|k| [k.about().part, k.about().name]).collect();
+        known.sort_unstable();
+        known.dedup();
+        return Err(AccuracyError::UnknownPart { name: name.to_owned(), known: known.join(", ") });
+    }
+    let mut bench = Bench::new(effort, progress);
+    let mut curves = Vec::new();
+    for knob in chosen {
+        curves.push(Curve { about: knob.about(), points: knob.points(&mut bench)? });
+    }
+    Ok(Accuracy { knobs: curves, effort })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_unique_and_a_wrong_one_is_answered_with_the_right_ones() {
+        let names: Vec<_> = knobs().iter().map(|k| k.about().name).collect();
+        assert!(names.iter().all(|n| names.iter().filter(|m| m == &n).count() == 1));
+        let error = measure(Some("warp"), Effort::Quick, &mut |_| {}).unwrap_err().to_string();
+        assert!(error.contains("warp") && names.iter().all(|n| error.contains(n)), "{error}");
+    }
+}

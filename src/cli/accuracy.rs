@@ -1,0 +1,69 @@
+//! `yorp accuracy [PART]`: error against run time of each numerical knob.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use super::{CliError, output};
+use crate::accuracy::{self, Accuracy, AccuracyError, Effort};
+use crate::exchange::WriteError;
+
+/// Arguments of `yorp accuracy`.
+#[derive(Debug, clap::Args)]
+pub(super) struct Arguments {
+    /// Only this knob, or the knobs of this module
+    part: Option<String>,
+    /// A small body and few points: seconds instead of minutes
+    #[arg(long)]
+    quick: bool,
+    /// Also write accuracy.json, a figure (SVG and PNG) and a page (HTML) into this directory
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+/// Measures and prints.
+pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), CliError> {
+    let effort = if arguments.quick { Effort::Quick } else { Effort::Full };
+    let measured = accuracy::measure(arguments.part.as_deref(), effort, &mut |line| eprintln!("{line}"));
+    let measured = measured.map_err(|error| match error {
+        AccuracyError::UnknownPart { .. } => CliError::input(error),
+        other => CliError::numerical(other),
+    })?;
+    if let Some(folder) = &arguments.out {
+        save(&measured, folder)?;
+    }
+    if json { output::json(&measured) } else { output::text(&table(&measured)) }
+}
+
+/// Writes the numbers, the figure and the page.
+fn save(measured: &Accuracy, folder: &Path) -> Result<(), CliError> {
+    let failed = |file: PathBuf| move |source| CliError::write(WriteError { file, source });
+    let write = |name: &str, text: &str| {
+        let file = folder.join(name);
+        std::fs::write(&file, text).map_err(failed(file))
+    };
+    std::fs::create_dir_all(folder).map_err(failed(folder.to_owned()))?;
+    let figure = accuracy::svg(&measured.knobs).map_err(CliError::write)?;
+    write("accuracy.json", &serde_json::to_string_pretty(measured).expect("plain data with string keys"))?;
+    write("accuracy.svg", &figure)?;
+    write("accuracy.html", &accuracy::page(measured, &figure))?;
+    accuracy::save_png(&measured.knobs, &folder.join("accuracy.png")).map_err(CliError::write)
+}
+
+fn table(measured: &Accuracy) -> String {
+    let mut text = String::new();
+    for curve in &measured.knobs {
+        let about = &curve.about;
+        let _ = writeln!(text, "{} ({})\n  error: {}", about.name, about.scene_key, about.error_is);
+        let _ = writeln!(text, "  {:>10}  {:>9}  {:>9}  {:>9}", about.unit, "error", "spread", "CPU s");
+        for point in &curve.points {
+            let spread = point.spread.map_or_else(|| "-".to_owned(), |s| format!("{s:.1e}"));
+            let mark = if point.value == about.default { "  default" } else { "" };
+            let _ = writeln!(
+                text,
+                "  {:>10}  {:>9.2e}  {spread:>9}  {:>9.3}{mark}",
+                point.value, point.error, point.seconds
+            );
+        }
+    }
+    text
+}
