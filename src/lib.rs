@@ -9,3 +9,4 @@ pub mod cli;
 pub mod evolve;
 pub mod exchange;
 pub mod scene;
+pub mod store;

@@ -220,14 +220,15 @@ fn a_value_out_of_range_is_refused_with_place_path_value_and_range() {
         let at = place(&text, &format!("{key}: {value}"));
         let (at, column) = at.rsplit_once(':').unwrap();
         let at = format!("{at}:{}", column.parse::<usize>().unwrap() + key.len() + 2);
-        let found = if value == "1" || value == "90" || value == "7" || value == "200" || value == "5" {
-            format!("{value}.0")
-        } else {
-            value.into()
-        };
-        let found = if value == "1e300" { "1e+300" } else { found.trim_end_matches(".0") };
-        refused(&text, &[&at, &format!("`{path}` is {found}"), range]);
+        refused(&text, &[&at, &format!("`{path}` is {value}; allowed: "), range]);
     }
+}
+
+#[test]
+fn a_default_that_does_not_go_with_the_scene_is_refused_too() {
+    let text = with("5.74", "24").replace(", \"stop_period_h\": 20", "");
+    let at = place(&text, "{\"duration_myr\"");
+    refused(&text, &[&at, "`evolution.stop_period_h` is 20; allowed: above spin.period_h = 24"]);
 }
 
 #[test]

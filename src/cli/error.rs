@@ -2,6 +2,8 @@
 
 use miette::{Diagnostic, IntoDiagnostic, LabeledSpan, NamedSource, Report, SourceCode};
 
+use crate::evolve::EvolveError;
+use crate::exchange::{AggregateFileError, MeshFileError, UnknownFormat, WriteError};
 use crate::scene::SceneError;
 
 /// Why a command ended without its result.
@@ -58,6 +60,46 @@ impl CliError {
 impl From<SceneError> for CliError {
     fn from(error: SceneError) -> Self {
         Self { code: Failure::Input, report: Report::new(ShownScene::new(error)) }
+    }
+}
+
+impl From<AggregateFileError> for CliError {
+    fn from(error: AggregateFileError) -> Self {
+        Self::input(error)
+    }
+}
+
+impl From<MeshFileError> for CliError {
+    fn from(error: MeshFileError) -> Self {
+        Self::input(error)
+    }
+}
+
+impl From<UnknownFormat> for CliError {
+    fn from(error: UnknownFormat) -> Self {
+        Self::input(error)
+    }
+}
+
+impl From<WriteError> for CliError {
+    fn from(error: WriteError) -> Self {
+        Self::write(error)
+    }
+}
+
+impl From<EvolveError> for CliError {
+    fn from(error: EvolveError) -> Self {
+        let code = match &error {
+            EvolveError::Interrupted => Failure::Interrupted,
+            EvolveError::Store(store) if store.is_write_failure() => Failure::Write,
+            EvolveError::Store(_) | EvolveError::AggregateFile(_) | EvolveError::MeshFile(_) => Failure::Input,
+            EvolveError::NoRotation | EvolveError::Aggregate(_) => Failure::Input,
+            EvolveError::Dynamics(_) | EvolveError::Tiling(_) | EvolveError::Torque(_) | EvolveError::Spin(_) => {
+                Failure::Numerical
+            }
+            EvolveError::BrokeUpWhileSettling { .. } => Failure::Numerical,
+        };
+        Self::new(code, error)
     }
 }
 

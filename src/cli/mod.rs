@@ -3,10 +3,17 @@
 //! Results go to stdout, at the end and only on success; everything else goes to stderr.
 
 mod accuracy;
+mod arguments;
+mod build;
 pub mod error;
 mod output;
 mod plan;
+mod progress;
+mod relax;
+mod run;
 mod schema;
+mod tile;
+mod torque;
 
 use clap::{Parser, Subcommand};
 
@@ -28,12 +35,22 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Measure error against run time of the numerical knobs
-    Accuracy(accuracy::Arguments),
+    /// Evolve spin and shape of a scene's body together
+    Run(run::Arguments),
+    /// Construct and settle the aggregate of a scene, without sunlight
+    Build(build::Arguments),
+    /// Evolve an aggregate alone at constant angular momentum, without sunlight
+    Relax(relax::Arguments),
     /// Show what a scene would run, what is left out, and why
     Plan(plan::Arguments),
     /// Print the JSON Schema of a scene
     Schema,
+    /// Fit a triangle surface to an aggregate (CSV)
+    Tile(tile::Arguments),
+    /// Compute the YORP torques of a shape model (OBJ) at every obliquity
+    Torque(torque::Arguments),
+    /// Measure error against run time of the numerical knobs
+    Accuracy(accuracy::Arguments),
 }
 
 /// Runs the command line of this process; the result is its exit code.
@@ -62,9 +79,14 @@ fn execute(cli: &Cli) -> Result<(), CliError> {
         pool.build_global().map_err(CliError::input)?;
     }
     match &cli.command {
-        Command::Accuracy(arguments) => accuracy::run(arguments, cli.json),
+        Command::Run(arguments) => run::run(arguments, cli.json),
+        Command::Build(arguments) => build::run(arguments, cli.json),
+        Command::Relax(arguments) => relax::run(arguments, cli.json),
         Command::Plan(arguments) => plan::run(arguments, cli.json),
         Command::Schema => schema::run(),
+        Command::Tile(arguments) => tile::run(arguments, cli.json),
+        Command::Torque(arguments) => torque::run(arguments, cli.json),
+        Command::Accuracy(arguments) => accuracy::run(arguments, cli.json),
     }
 }
 

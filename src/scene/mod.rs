@@ -5,6 +5,7 @@
 //! because only then do the parser's errors keep their line and path.
 
 mod body;
+mod convert;
 mod difference;
 mod dynamics;
 mod error;

@@ -91,12 +91,11 @@ impl Scene {
         let scene: Self = parsed.map_err(|error| parse_error(text, file, &error))?;
         match first_violation(&scene) {
             None => Ok(scene),
-            Some(violation) => Err(SceneError::Value {
-                at: locate(text, file, &keys(&violation.path)),
-                path: violation.path,
-                found: violation.found,
-                allowed: violation.allowed,
-            }),
+            Some(violation) => {
+                let at = locate(text, file, &keys(&violation.path));
+                let found = number_at(text, at.offset).unwrap_or(&violation.found).to_owned();
+                Err(SceneError::Value { at, path: violation.path, found, allowed: violation.allowed })
+            }
         }
     }
 }
@@ -161,6 +160,13 @@ fn keys(path: &str) -> Vec<Step> {
 fn locate(text: &str, file: &Path, path: &[Step]) -> Box<Location> {
     let nearest = (0..=path.len()).rev().find_map(|length| find(text, &path[..length]));
     location(text, file, nearest.map_or(0, |found| found.value))
+}
+
+/// The number that begins at `offset`, as the user wrote it.
+fn number_at(text: &str, offset: usize) -> Option<&str> {
+    let rest = &text[offset..];
+    let end = rest.find(|c: char| !(c.is_ascii_alphanumeric() || "+-.".contains(c))).unwrap_or(rest.len());
+    rest.starts_with(|c: char| c == '-' || c.is_ascii_digit()).then(|| &rest[..end])
 }
 
 fn location(text: &str, file: &Path, offset: usize) -> Box<Location> {

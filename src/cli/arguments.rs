@@ -1,0 +1,69 @@
+//! Numbers and switches on the command line, refused where clap can say which flag they belong to.
+
+use clap::ValueEnum;
+
+/// A switch that is spelled out, so that scripts can set it either way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum Switch {
+    On,
+    Off,
+}
+
+impl Switch {
+    pub(super) fn is_on(self) -> bool {
+        self == Self::On
+    }
+}
+
+/// A number that `fits`, or what is allowed.
+fn number(text: &str, fits: impl Fn(f64) -> bool, allowed: &str) -> Result<f64, String> {
+    let number: f64 = text.parse().map_err(|_| format!("not a number; allowed: {allowed}"))?;
+    if number.is_finite() && fits(number) { Ok(number) } else { Err(format!("allowed: {allowed}")) }
+}
+
+pub(super) fn positive(text: &str) -> Result<f64, String> {
+    number(text, |x| x > 0.0, "a finite number above 0")
+}
+
+pub(super) fn semimajor_axis_au(text: &str) -> Result<f64, String> {
+    number(text, |x| (0.01..=1000.0).contains(&x), "at least 0.01, at most 1000")
+}
+
+pub(super) fn eccentricity(text: &str) -> Result<f64, String> {
+    number(text, |x| (0.0..1.0).contains(&x), "at least 0, below 1")
+}
+
+pub(super) fn fraction(text: &str) -> Result<f64, String> {
+    number(text, |x| (0.0..=1.0).contains(&x), "at least 0, at most 1")
+}
+
+pub(super) fn emissivity(text: &str) -> Result<f64, String> {
+    number(text, |x| x > 0.0 && x <= 1.0, "above 0, at most 1")
+}
+
+pub(super) fn thermal_inertia(text: &str) -> Result<f64, String> {
+    number(text, |x| x == 0.0, "only 0 (heat conduction is not part of this version)")
+}
+
+pub(super) fn obliquity_deg(text: &str) -> Result<f64, String> {
+    number(text, |x| (0.0..=180.0).contains(&x), "at least 0, at most 180")
+}
+
+pub(super) fn obliquity_step_deg(text: &str) -> Result<f64, String> {
+    let divides = |x: f64| (0.1..=180.0).contains(&x) && ((180.0 / x).round() * x - 180.0).abs() < 1e-9;
+    number(text, divides, "at least 0.1, at most 180, and a divisor of 180")
+}
+
+pub(super) fn facets(text: &str) -> Result<u32, String> {
+    let allowed = "an even number, at least 4, at most 200000";
+    let facets = text.parse().map_err(|_| format!("allowed: {allowed}"))?;
+    if (4..=200_000).contains(&facets) && facets % 2 == 0 { Ok(facets) } else { Err(format!("allowed: {allowed}")) }
+}
+
+pub(super) fn level(text: &str) -> Result<f64, String> {
+    number(text, |x| (0.1..=10.0).contains(&x), "at least 0.1, at most 10")
+}
+
+pub(super) fn until_myr(text: &str) -> Result<f64, String> {
+    number(text, |x| x >= 0.0, "a finite number, at least 0")
+}

@@ -1,0 +1,103 @@
+//! What a scene means to the crates that compute: parameters in their types.
+
+use super::{Contact, Interpolation, MultipleScattering, Orbit, Reflectance, SlideVelocity, Surface, TorqueOptions};
+
+impl Contact {
+    /// Parameters of the hard-sphere engine, with gravity.
+    pub fn to_pkd(&self) -> pkd::hard_sphere::HardSphereParameters {
+        let Self::HardSphere(contact) = self;
+        pkd::hard_sphere::HardSphereParameters {
+            restitution_normal: contact.restitution_normal,
+            restitution_tangential: contact.restitution_tangential,
+            slide_limit: contact.slide_limit,
+            slide_velocity: match contact.slide_velocity {
+                SlideVelocity::Centre => pkd::hard_sphere::SlideVelocity::Centre,
+                SlideVelocity::Surface => pkd::hard_sphere::SlideVelocity::Surface,
+            },
+            collapse_limit: contact.collapse_limit,
+            step_s: contact.step_s,
+            max_collisions_per_sphere: contact.max_collisions_per_sphere,
+            gravity: true,
+        }
+    }
+}
+
+impl Surface {
+    /// The surface as the radiation crate knows it; one that scatters nothing becomes black, so that nothing is tabulated.
+    pub fn to_taco(&self) -> taco::Surface {
+        let reflectance = match &self.reflectance {
+            Reflectance::Hapke(hapke) if hapke.single_scattering_albedo > 0.0 => {
+                taco::Reflectance::Hapke(taco::Hapke {
+                    single_scattering_albedo: hapke.single_scattering_albedo,
+                    roughness_deg: hapke.roughness_deg,
+                    asymmetry: hapke.asymmetry,
+                    multiple_scattering: match hapke.multiple_scattering {
+                        MultipleScattering::H2002 => taco::MultipleScattering::H2002,
+                        MultipleScattering::Imsa => taco::MultipleScattering::Imsa,
+                    },
+                })
+            }
+            Reflectance::Lambert(lambert) => taco::Reflectance::Lambert { bond_albedo: lambert.bond_albedo },
+            Reflectance::Hapke(_) | Reflectance::None => taco::Reflectance::None,
+        };
+        taco::Surface {
+            reflectance,
+            emissivity: self.emissivity,
+            shadows: self.shadows,
+            sky_blockage: self.sky_blockage,
+        }
+    }
+}
+
+impl Orbit {
+    /// The orbit as the radiation crate knows it.
+    pub fn to_taco(&self) -> taco::Orbit {
+        taco::Orbit { semimajor_axis_au: self.semimajor_axis_au, eccentricity: self.eccentricity }
+    }
+}
+
+impl TorqueOptions {
+    /// The sampling of a torque table.
+    pub fn to_taco(&self) -> taco::Sampling {
+        taco::Sampling {
+            obliquities: taco::Obliquities::StepDeg(self.obliquity_step_deg),
+            azimuth_bins: self.azimuth_bins as usize,
+            declination_nodes: self.declination_nodes as usize,
+        }
+    }
+}
+
+impl Interpolation {
+    /// The interpolation as the radiation crate knows it.
+    pub fn to_taco(self) -> taco::Interpolation {
+        match self {
+            Self::Cubic => taco::Interpolation::Cubic,
+            Self::Linear => taco::Interpolation::Linear,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{HapkeReflectance, LambertReflectance};
+
+    #[test]
+    fn defaults_of_a_scene_are_the_defaults_of_the_crates() {
+        assert_eq!(Contact::default().to_pkd(), pkd::hard_sphere::HardSphereParameters::default());
+        assert_eq!(Surface::default().to_taco(), taco::Surface::default());
+        assert_eq!(Orbit::default().to_taco(), taco::Orbit::default());
+        assert_eq!(TorqueOptions::default().to_taco(), taco::Sampling::default());
+        assert_eq!(Interpolation::default().to_taco(), taco::Interpolation::default());
+    }
+
+    #[test]
+    fn a_surface_without_albedo_is_black() {
+        let hapke = HapkeReflectance { single_scattering_albedo: 0.0, ..HapkeReflectance::default() };
+        let black = Surface { reflectance: Reflectance::Hapke(hapke), ..Surface::default() };
+        assert_eq!(black.to_taco().reflectance, taco::Reflectance::None);
+        let lambert = Reflectance::Lambert(LambertReflectance { bond_albedo: 0.2 });
+        let grey = Surface { reflectance: lambert, ..Surface::default() };
+        assert_eq!(grey.to_taco().reflectance, taco::Reflectance::Lambert { bond_albedo: 0.2 });
+    }
+}
