@@ -10,8 +10,10 @@ mod output;
 mod plan;
 mod progress;
 mod relax;
+mod rigid;
 mod run;
 mod schema;
+mod sunlit_mesh;
 mod tile;
 mod torque;
 
@@ -37,6 +39,8 @@ struct Cli {
 enum Command {
     /// Evolve spin and shape of a scene's body together
     Run(run::Arguments),
+    /// Follow the YORP cycle of a body, were it rigid
+    Rigid(rigid::Arguments),
     /// Construct and settle the aggregate of a scene, without sunlight
     Build(build::Arguments),
     /// Evolve an aggregate alone at constant angular momentum, without sunlight
@@ -80,6 +84,7 @@ fn execute(cli: &Cli) -> Result<(), CliError> {
     }
     match &cli.command {
         Command::Run(arguments) => run::run(arguments, cli.json),
+        Command::Rigid(arguments) => rigid::run(arguments, cli.json),
         Command::Build(arguments) => build::run(arguments, cli.json),
         Command::Relax(arguments) => relax::run(arguments, cli.json),
         Command::Plan(arguments) => plan::run(arguments, cli.json),
