@@ -1,4 +1,50 @@
 //! Radiation recoil torques (YORP) of a triangle mesh.
 //!
-//! SI units and `f64` throughout. Nothing here knows of spheres.
+//! [`torque_table`] turns a mesh, a [`Surface`] and an [`Orbit`] into the torques that change its spin rate and its
+//! obliquity, for all obliquities at once: the spin-averaged torque of a body that stores no heat depends on the Sun
+//! through its declination alone, so facets are visited once per declination and every obliquity is an integral of
+//! the result over the orbit.
+//!
+//! The mesh has its centre of mass at the origin and spins about +z. SI units and `f64` throughout. Nothing here
+//! knows of spheres. Sums run in a fixed order: the bytes of a result do not depend on the number of threads.
+//!
+//! ```
+//! use taco::{Interpolation, Orbit, Sampling, Surface, torque_table};
+//! # let mesh = tiling::Mesh {
+//! #     vertices: vec![[9.0, 0.0, 0.0], [-3.0, 5.0, 0.0], [-3.0, -5.0, 1.0], [-3.0, 0.0, 4.0]],
+//! #     facets: vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+//! # };
+//! let table = torque_table(&mesh, &Surface::default(), &Orbit::default(), &Sampling::default())?;
+//! let (spin_torque, obliquity_torque) = table.interpolant(Interpolation::Cubic)?.at(0.4, 3e-4);
+//! assert!(spin_torque.abs() > table.error.spin_torque_n_m && obliquity_torque.is_finite());
+//! # Ok::<(), taco::TacoError>(())
+//! ```
 #![warn(missing_docs)]
+
+pub mod constants;
+mod day;
+mod declination;
+mod error;
+mod facets;
+pub mod hapke;
+mod horizon;
+mod interpolant;
+mod orbit;
+mod quadrature;
+mod recoil;
+mod sampling;
+mod season;
+mod sky;
+mod spline;
+mod surface;
+mod torque;
+
+pub use error::TacoError;
+pub use horizon::{Horizon, HorizonMap, Overhang};
+pub use interpolant::{Interpolation, TorqueInterpolant};
+pub use orbit::Orbit;
+pub use recoil::RecoilTable;
+pub use sampling::{Obliquities, Sampling};
+pub use sky::{SkyView, sky_view};
+pub use surface::{Hapke, MultipleScattering, Reflectance, Surface};
+pub use torque::{ErrorPart, TorqueError, TorqueTable, torque_table};

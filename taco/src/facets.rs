@@ -1,0 +1,103 @@
+//! Facets as the radiation sees them: place, area and a frame tied to the spin axis.
+
+use crate::error::TacoError;
+use tiling::Mesh;
+
+/// One point of the surface with its frame. "Meridian" is the horizontal direction of the normal, "east" is 90 deg
+/// further along the rotation, so that a body turned about its spin axis gives the same numbers facet by facet.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Facet {
+    /// Where light arrives and recoil acts, m, body frame.
+    pub point: [f64; 3],
+    /// Area, m^2.
+    pub area: f64,
+    /// Sine of the latitude of the normal.
+    pub sin_lat: f64,
+    /// Cosine of the latitude of the normal.
+    pub cos_lat: f64,
+    /// Horizontal unit vector of the normal, body x and y; x for a normal along the spin axis.
+    meridian: [f64; 2],
+}
+
+impl Facet {
+    fn new(point: [f64; 3], area_vector: [f64; 3]) -> Self {
+        let [x, y, z] = area_vector;
+        let horizontal = x.hypot(y);
+        let area = horizontal.hypot(z);
+        // A normal this close to the axis has no meridian worth its round-off.
+        let polar = horizontal <= 1e-12 * area;
+        let (meridian, cos_lat) =
+            if polar { ([1.0, 0.0], 0.0) } else { ([x / horizontal, y / horizontal], horizontal / area) };
+        let sin_lat = if polar { z.signum() } else { z / area };
+        Self { point, area, sin_lat, cos_lat, meridian }
+    }
+
+    /// Axes of the horizon: north, west and the normal, body frame. Azimuth runs from north over west.
+    pub fn horizon_axes(&self) -> [[f64; 3]; 3] {
+        let ([mx, my], s, c) = (self.meridian, self.sin_lat, self.cos_lat);
+        [[-s * mx, -s * my, c], [my, -mx, 0.0], [c * mx, c * my, s]]
+    }
+
+    /// The point in (meridian, east, spin axis) components, m.
+    pub fn local_point(&self) -> [f64; 3] {
+        let ([x, y, z], [mx, my]) = (self.point, self.meridian);
+        [x * mx + y * my, y * mx - x * my, z]
+    }
+
+    /// The same facet seen from another point of it.
+    pub fn at(&self, point: [f64; 3]) -> Self {
+        Self { point, ..*self }
+    }
+}
+
+/// All facets, seen from their centroids.
+///
+/// # Errors
+/// [`TacoError`] if there is none, a vertex is not finite or a facet refers to a vertex that does not exist.
+pub(crate) fn facets(mesh: &Mesh) -> Result<Vec<Facet>, TacoError> {
+    if mesh.facets.is_empty() {
+        return Err(TacoError::EmptyMesh);
+    }
+    if let Some(vertex) = mesh.vertices.iter().position(|v| v.iter().any(|c| !c.is_finite())) {
+        return Err(TacoError::BadVertex { vertex });
+    }
+    let vertices = mesh.vertices.len();
+    for (facet, corners) in mesh.facets.iter().enumerate() {
+        if let Some(&vertex) = corners.iter().find(|v| **v as usize >= vertices) {
+            return Err(TacoError::BadFacet { facet, vertex, vertices });
+        }
+    }
+    Ok((0..mesh.facets.len()).map(|f| Facet::new(mesh.centroid(f).into(), mesh.area_vector(f).into())).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+        a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    }
+
+    #[test]
+    fn horizon_axes_are_a_right_handed_frame_towards_north() {
+        for n in [[1.0, 2.0, 3.0], [-1.0, 0.5, -2.0], [0.0, 0.0, 2.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]] {
+            let [north, west, up] = Facet::new([0.0; 3], n).horizon_axes();
+            let norm = dot(n, n).sqrt();
+            for k in 0..3 {
+                let cross = north[(k + 1) % 3] * west[(k + 2) % 3] - north[(k + 2) % 3] * west[(k + 1) % 3];
+                assert!((up[k] - n[k] / norm).abs() < 1e-15 && (cross - up[k]).abs() < 1e-15);
+            }
+            assert!(dot(north, up).abs() < 1e-15 && dot(west, up).abs() < 1e-15 && north[2] >= 0.0);
+        }
+    }
+
+    #[test]
+    fn broken_meshes_are_refused() {
+        let mut mesh = Mesh { vertices: vec![[0.0; 3]; 3], facets: vec![] };
+        assert_eq!(facets(&mesh).err(), Some(TacoError::EmptyMesh));
+        mesh.facets.push([0, 1, 3]);
+        assert_eq!(facets(&mesh).err(), Some(TacoError::BadFacet { facet: 0, vertex: 3, vertices: 3 }));
+        mesh.vertices[1][2] = f64::NAN;
+        assert_eq!(facets(&mesh).err(), Some(TacoError::BadVertex { vertex: 1 }));
+    }
+}

@@ -1,0 +1,426 @@
+//! Horizons: which part of the sky the rest of the body hides from each facet, azimuth by azimuth.
+//!
+//! Concept of Statler 2009 (Icarus 202, 502), without rays. The half-plane of an azimuth cuts every facet that faces the
+//! observer in an interval of elevations; their union is what is hidden, exactly, at that azimuth. The interval that
+//! begins at the ground is the horizon; what hides the sky above a gap (a boulder that leans over) is kept as well.
+//!
+//! The facets lie in a tree of flat bounding discs, walked from near to far; a disc is left out when it lies below the
+//! observer's plane, between two azimuths of the map, or behind a horizon that already stands higher. So the result is
+//! that of all facets, however they were ordered.
+
+use crate::error::{TacoError, require};
+use crate::facets::{Facet, facets};
+use rayon::prelude::*;
+use std::f64::consts::{PI, TAU};
+use tiling::Mesh;
+
+/// Facets in a leaf of the tree.
+const LEAF: usize = 4;
+/// What rises by less than this fraction of the body's size is in the plane: coplanar neighbours do not shade one
+/// another by round-off.
+const PLANE_TOLERANCE: f64 = 1e-9;
+/// Intervals of elevation (tangents) that are this close touch: neighbouring facets meet to round-off.
+const TOUCHING: f64 = 1e-9;
+/// What [`rough_azimuth`] may be off by, rad, with room to spare.
+const AZIMUTH_PAD: f64 = 1e-4;
+/// A disc that spans more azimuths of the map than this is not compared as a whole; its parts will be.
+const WIDEST_SPAN: i64 = 24;
+/// Steepest horizon that is kept (90 deg less 0.2 arc seconds).
+const STEEPEST: f64 = 1e6;
+
+/// Horizons of all facets of a mesh, seen from their centroids.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HorizonMap {
+    azimuth_bins: usize,
+    /// `None` for a facet above whose plane nothing rises.
+    horizons: Vec<Option<Horizon>>,
+}
+
+/// What hides the sky from one place.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Horizon {
+    /// Tangent of the elevation up to which the sky is hidden, >= 0, at azimuths `2 pi k / n`.
+    pub tan_elevation: Box<[f32]>,
+    /// What hides the sky above a gap, by azimuth and from below; empty for nearly all facets of real bodies.
+    pub overhangs: Box<[Overhang]>,
+}
+
+/// Part of the sky hidden by something that leans over.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Overhang {
+    /// Index of the azimuth.
+    pub azimuth: u32,
+    /// Tangents of the lowest and highest hidden elevation.
+    pub tan_elevation: [f32; 2],
+}
+
+impl Horizon {
+    /// The same horizon at half as many azimuths.
+    pub(crate) fn every_other(&self) -> Self {
+        let even = self.overhangs.iter().filter(|o| o.azimuth % 2 == 0);
+        Self {
+            tan_elevation: self.tan_elevation.iter().copied().step_by(2).collect(),
+            overhangs: even.map(|o| Overhang { azimuth: o.azimuth / 2, ..*o }).collect(),
+        }
+    }
+}
+
+impl HorizonMap {
+    /// The map at `azimuth_bins` evenly spaced azimuths, from north (the spin axis, +z) over west.
+    ///
+    /// # Errors
+    /// [`TacoError`] if the mesh is empty or broken, or `azimuth_bins` is not a multiple of 4 in [16, 2880].
+    pub fn new(mesh: &Mesh, azimuth_bins: usize) -> Result<Self, TacoError> {
+        let ok = azimuth_bins.is_multiple_of(4) && (16..=2880).contains(&azimuth_bins);
+        require(ok, "azimuth_bins", azimuth_bins as f64, "a multiple of 4 in [16, 2880]")?;
+        let facets = facets(mesh)?;
+        Ok(Self::of(&facets, &Scanner::new(mesh, azimuth_bins)))
+    }
+
+    pub(crate) fn of(facets: &[Facet], scanner: &Scanner) -> Self {
+        let look = |scratch: &mut ScanScratch, facet| scanner.horizon(facet, scratch);
+        let horizons = facets.par_iter().map_init(ScanScratch::default, look).collect();
+        Self { azimuth_bins: scanner.azimuths.len(), horizons }
+    }
+
+    /// Number of azimuths.
+    pub fn azimuth_bins(&self) -> usize {
+        self.azimuth_bins
+    }
+
+    /// The horizon of a facet; `None` where nothing rises above its plane (or there is no such facet).
+    pub fn horizon(&self, facet: usize) -> Option<&Horizon> {
+        self.horizons.get(facet)?.as_ref()
+    }
+
+    /// How many facets have something above their plane; 0 for a convex mesh.
+    pub fn shaded_facets(&self) -> usize {
+        self.horizons.iter().flatten().count()
+    }
+}
+
+/// Disc around a run of facets.
+#[derive(Debug, Clone, Copy)]
+struct Node {
+    centre: [f64; 3],
+    radius: f64,
+    /// Mean normal of the facets; zero if they cancel.
+    normal: [f64; 3],
+    /// Largest distance of a corner from the disc's plane, m.
+    thickness: f64,
+    /// First facet of a leaf; the second child of an inner node, whose first child follows it in the array.
+    at: u32,
+    /// Facets of a leaf, 0 for an inner node.
+    facets: u32,
+}
+
+/// A facet with its plane: `normal . x > offset` on the side that it faces.
+#[derive(Debug, Clone, Copy)]
+struct Occluder {
+    corners: [[f64; 3]; 3],
+    normal: [f64; 3],
+    offset: f64,
+}
+
+/// The facets of a mesh, ready to be looked at from anywhere.
+#[derive(Debug)]
+pub(crate) struct Scanner {
+    nodes: Vec<Node>,
+    occluders: Vec<Occluder>,
+    /// Cosine and sine of each azimuth of the map.
+    azimuths: Vec<[f64; 2]>,
+    /// What counts as in the plane, m.
+    tolerance: f64,
+}
+
+/// Buffers of one thread.
+#[derive(Debug, Default)]
+pub(crate) struct ScanScratch {
+    /// Tangents up to which the sky is known to be hidden.
+    ground: Vec<f64>,
+    /// Hidden intervals that did not touch the ground when they were found.
+    floating: Vec<(usize, f64, f64)>,
+    stack: Vec<u32>,
+}
+
+impl Scanner {
+    /// The mesh must have been checked by [`facets`].
+    pub fn new(mesh: &Mesh, azimuth_bins: usize) -> Self {
+        let mut occluders: Vec<_> = (0..mesh.facets.len())
+            .map(|f| {
+                let corners = mesh.corners(f);
+                let normal = mesh.area_vector(f);
+                let offset = normal.dot(&corners[0]);
+                Occluder { corners: corners.map(Into::into), normal: normal.into(), offset }
+            })
+            .collect();
+        let mut nodes = Vec::with_capacity(occluders.len());
+        build(&mut occluders, 0, &mut nodes);
+        let tolerance = PLANE_TOLERANCE * nodes[0].radius;
+        let azimuths = (0..azimuth_bins).map(|k| direction(k, azimuth_bins)).collect();
+        Self { nodes, occluders, azimuths, tolerance }
+    }
+
+    /// What hides the sky from a point of the surface, or `None` if nothing rises above its plane.
+    pub fn horizon(&self, facet: &Facet, scratch: &mut ScanScratch) -> Option<Horizon> {
+        let axes = facet.horizon_axes();
+        let local = |p: &[f64; 3]| {
+            let d = [p[0] - facet.point[0], p[1] - facet.point[1], p[2] - facet.point[2]];
+            axes.map(|a| dot(&a, &d))
+        };
+        let ScanScratch { ground, floating, stack } = scratch;
+        ground.clear();
+        ground.resize(self.azimuths.len(), 0.0);
+        floating.clear();
+        stack.clear();
+        stack.push(0);
+        let mut rises = false;
+        while let Some(index) = stack.pop() {
+            let node = &self.nodes[index as usize];
+            if self.hidden(local(&node.centre), node, dot(&axes[2], &node.normal), ground) {
+                continue;
+            }
+            if node.facets == 0 {
+                let (left, right) = (index + 1, node.at);
+                let distance = |n: u32| square_distance(&self.nodes[n as usize].centre, &facet.point);
+                // What is popped first is near and raises the horizon that hides the rest.
+                let near_left = distance(left) <= distance(right);
+                stack.extend(if near_left { [right, left] } else { [left, right] });
+                continue;
+            }
+            for occluder in &self.occluders[node.at as usize..(node.at + node.facets) as usize] {
+                if dot(&occluder.normal, &facet.point) > occluder.offset {
+                    let corners = occluder.corners.each_ref().map(local);
+                    if corners.iter().any(|c| c[2] > self.tolerance) {
+                        rises = true;
+                        self.hide(&corners, ground, floating);
+                    }
+                }
+            }
+        }
+        rises.then(|| Horizon {
+            overhangs: settle(ground, floating),
+            tan_elevation: ground.iter().map(|t| t.min(STEEPEST) as f32).collect(),
+        })
+    }
+
+    /// Whether nothing in the node can hide more sky. `centre` is its centre (north, west, up from the facet), `tilt` the
+    /// cosine between its normal and the facet's.
+    #[inline]
+    fn hidden(&self, centre: [f64; 3], node: &Node, tilt: f64, ground: &[f64]) -> bool {
+        let [x, y, z] = centre;
+        let flat = node.radius * (1.0 - tilt * tilt).max(0.0).sqrt() + node.thickness * tilt.abs();
+        let top = z + flat.min(node.radius);
+        if top <= self.tolerance {
+            return true;
+        }
+        let distance = (x * x + y * y).sqrt();
+        if distance <= node.radius * 1.001 {
+            return false;
+        }
+        // asin s <= s + (pi/2 - 1) s^3 on [0, 1].
+        let s = node.radius / distance;
+        let half_width = s * (1.0 + (0.5 * PI - 1.0) * s * s) + AZIMUTH_PAD;
+        let azimuth = rough_azimuth(x, y);
+        let (first, last) = self.span(azimuth - half_width, azimuth + half_width);
+        if last - first > WIDEST_SPAN {
+            return false;
+        }
+        let bound = top / (distance - node.radius);
+        (first..=last).all(|k| ground[self.wrap(k)] >= bound)
+    }
+
+    /// Hides the sky behind a facet with these corners (north, west, up from the observer).
+    fn hide(&self, corners: &[[f64; 3]; 3], ground: &mut [f64], floating: &mut Vec<(usize, f64, f64)>) {
+        let from = rough_azimuth(corners[0][0], corners[0][1]);
+        let turn = |c: &[f64; 3]| {
+            let d = rough_azimuth(c[0], c[1]) - from;
+            if d > PI {
+                d - TAU
+            } else if d < -PI {
+                d + TAU
+            } else {
+                d
+            }
+        };
+        let (b, c) = (turn(&corners[1]), turn(&corners[2]));
+        let (low, high) = (b.min(c).min(0.0), b.max(c).max(0.0));
+        let (first, last) = if high - low > PI - 2.0 * AZIMUTH_PAD {
+            // Overhead, underfoot or nearly so: any azimuth may meet it.
+            (0, self.azimuths.len() as i64 - 1)
+        } else {
+            self.span(from + low - AZIMUTH_PAD, from + high + AZIMUTH_PAD)
+        };
+        for k in first..=last {
+            let k = self.wrap(k);
+            if let Some((low, high)) = interval(corners, self.azimuths[k]) {
+                if high <= ground[k] {
+                    continue;
+                }
+                if low <= ground[k] + TOUCHING * (1.0 + ground[k]) {
+                    ground[k] = high;
+                } else {
+                    floating.push((k, low, high));
+                }
+            }
+        }
+    }
+
+    /// First and last azimuth of the map within `from..=to`, rad, not yet wrapped into the map.
+    #[inline]
+    fn span(&self, from: f64, to: f64) -> (i64, i64) {
+        let per_radian = self.azimuths.len() as f64 / TAU;
+        ((from * per_radian).ceil() as i64, (to * per_radian).floor() as i64)
+    }
+
+    /// Index into the map of an azimuth counted from north, less than two turns off.
+    #[inline]
+    fn wrap(&self, k: i64) -> usize {
+        let n = self.azimuths.len() as i64;
+        (if k < 0 {
+            k + n
+        } else if k >= n {
+            k - n
+        } else {
+            k
+        }) as usize
+    }
+}
+
+/// Tangents of the elevations between which the half-plane of an azimuth cuts a facet, or `None` if it misses it.
+#[inline]
+fn interval(corners: &[[f64; 3]; 3], [c, s]: [f64; 2]) -> Option<(f64, f64)> {
+    // Distance from the half-plane's vertical plane, and distance along it.
+    let aside = corners.map(|p| p[0] * s - p[1] * c);
+    let along = corners.map(|p| p[0] * c + p[1] * s);
+    let mut cuts = [[0.0; 2]; 2];
+    let mut count = 0;
+    for (i, j) in [(0, 1), (1, 2), (2, 0)] {
+        if (aside[i] >= 0.0) != (aside[j] >= 0.0) && count < 2 {
+            let (wi, wj) = (aside[j].abs(), aside[i].abs());
+            let whole = wi + wj;
+            cuts[count] = [(along[i] * wi + along[j] * wj) / whole, (corners[i][2] * wi + corners[j][2] * wj) / whole];
+            count += 1;
+        }
+    }
+    if count < 2 {
+        return None;
+    }
+    let [near, far] = if cuts[0][0] <= cuts[1][0] { cuts } else { [cuts[1], cuts[0]] };
+    if far[0] <= 0.0 {
+        return None;
+    }
+    let t = far[1] / far[0];
+    if near[0] > 0.0 {
+        let u = near[1] / near[0];
+        return Some((t.min(u), t.max(u)));
+    }
+    // The cut goes on to the vertical through the observer: overhead or underfoot.
+    let at_axis = near[1] * far[0] - far[1] * near[0];
+    Some(if at_axis > 0.0 { (t, f64::INFINITY) } else { (f64::NEG_INFINITY, t) })
+}
+
+/// Joins floating intervals to the ground where something found later bridged the gap; what is left leans over.
+fn settle(ground: &mut [f64], floating: &mut [(usize, f64, f64)]) -> Box<[Overhang]> {
+    floating.sort_unstable_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.total_cmp(&b.2)));
+    let mut overhangs: Vec<(usize, f64, f64)> = Vec::new();
+    for &(k, low, high) in &*floating {
+        if low <= ground[k] + TOUCHING * (1.0 + ground[k]) {
+            ground[k] = ground[k].max(high);
+            continue;
+        }
+        match overhangs.last_mut() {
+            Some(last) if last.0 == k && low <= last.2 + TOUCHING * (1.0 + last.2) => last.2 = last.2.max(high),
+            _ => overhangs.push((k, low, high)),
+        }
+    }
+    let kept = |t: f64| t.min(STEEPEST) as f32;
+    overhangs
+        .into_iter()
+        .map(|(k, low, high)| Overhang { azimuth: k as u32, tan_elevation: [kept(low), kept(high)] })
+        .collect()
+}
+
+/// Cosine and sine of azimuth `2 pi k / n`, mirror-symmetric to the last bit: a mirrored body has mirrored horizons.
+pub(crate) fn direction(k: usize, n: usize) -> [f64; 2] {
+    let octant = |k: usize| (TAU * k as f64 / n as f64).sin_cos();
+    let quarter = n / 4;
+    let (s, c) = match (k % quarter, quarter) {
+        (0, _) => (0.0, 1.0),
+        (j, q) if 2 * j <= q => octant(j),
+        (j, q) => {
+            let (s, c) = octant(q - j);
+            (c, s)
+        }
+    };
+    match k / quarter {
+        0 => [c, s],
+        1 => [-s, c],
+        2 => [-c, -s],
+        _ => [s, -c],
+    }
+}
+
+/// Azimuth of `(x, y)` in [-pi, pi] to 2e-5 rad (Abramowitz & Stegun 4.4.49): enough to pick candidates.
+#[inline]
+fn rough_azimuth(x: f64, y: f64) -> f64 {
+    let (ax, ay) = (x.abs(), y.abs());
+    let (small, large) = if ax < ay { (ax, ay) } else { (ay, ax) };
+    let r = if large > 0.0 { small / large } else { 0.0 };
+    let q = r * r;
+    let mut angle = r * (0.999_866 + q * (-0.330_299_5 + q * (0.180_141 + q * (-0.085_133 + q * 0.020_835_1))));
+    if ax < ay {
+        angle = 0.5 * PI - angle;
+    }
+    if x < 0.0 {
+        angle = PI - angle;
+    }
+    if y < 0.0 { -angle } else { angle }
+}
+
+fn square_distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    (0..3).map(|k| (a[k] - b[k]).powi(2)).sum()
+}
+
+#[inline(always)]
+fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// Sorts `occluders`, the slice that starts at number `offset`, into a tree that is appended to `nodes`.
+fn build(occluders: &mut [Occluder], offset: usize, nodes: &mut Vec<Node>) {
+    let mut low = [f64::INFINITY; 3];
+    let mut high = [f64::NEG_INFINITY; 3];
+    let mut normal = [0.0; 3];
+    for occluder in &*occluders {
+        for k in 0..3 {
+            for corner in &occluder.corners {
+                low[k] = low[k].min(corner[k]);
+                high[k] = high[k].max(corner[k]);
+            }
+            normal[k] += occluder.normal[k];
+        }
+    }
+    let centre: [f64; 3] = std::array::from_fn(|k| 0.5 * (low[k] + high[k]));
+    let length = dot(&normal, &normal).sqrt();
+    normal = if length > 0.0 { normal.map(|c| c / length) } else { [0.0; 3] };
+    let corners = || occluders.iter().flat_map(|o| &o.corners);
+    let off_plane = |p: &[f64; 3]| (0..3).map(|k| normal[k] * (p[k] - centre[k])).sum::<f64>().abs();
+    // A hair larger than it is, so that round-off cannot put a corner outside.
+    let radius = corners().map(|p| square_distance(p, &centre)).fold(0.0, f64::max).sqrt() * (1.0 + 1e-12);
+    let thickness = corners().map(off_plane).fold(0.0, f64::max) + 1e-12 * radius;
+    let index = nodes.len();
+    nodes.push(Node { centre, radius, normal, thickness, at: offset as u32, facets: occluders.len() as u32 });
+    if occluders.len() <= LEAF {
+        return;
+    }
+    let axis = (0..3).max_by(|&i, &j| (high[i] - low[i]).total_cmp(&(high[j] - low[j]))).expect("three axes");
+    let middle = occluders.len() / 2;
+    let place = |o: &Occluder| o.corners.iter().map(|c| c[axis]).sum::<f64>();
+    occluders.select_nth_unstable_by(middle, |a, b| place(a).total_cmp(&place(b)));
+    let (left, right) = occluders.split_at_mut(middle);
+    build(left, offset, nodes);
+    let second = nodes.len() as u32;
+    build(right, offset + middle, nodes);
+    nodes[index] = Node { at: second, facets: 0, ..nodes[index] };
+}

@@ -1,0 +1,102 @@
+//! The numerical knobs of a torque table.
+
+use crate::error::{TacoError, require};
+
+/// Which obliquities to compute and how finely to sample; the defaults were chosen from measured error curves.
+///
+/// The rotation itself has no step: the times of sunrise and sunset come from the horizon in closed form, and the arc
+/// between them is integrated by Gauss quadrature to about 1e-7.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sampling {
+    /// Obliquities of the table [every 5 deg, as Cotto-Figueroa et al. 2015].
+    pub obliquities: Obliquities,
+    /// Azimuths at which a facet's horizon is known, evenly spaced; a multiple of 4 in [16, 2880] [120]. Between them
+    /// the horizon is a great circle. Time and memory of bodies with shadows grow in proportion.
+    pub azimuth_bins: usize,
+    /// Solar declinations from the equator to the pole, both included, at which the rotation is averaged; odd, in
+    /// [5, 1441] [37, every 2.5 deg]. The southern half is computed as well. Time grows in proportion.
+    pub declination_nodes: usize,
+}
+
+/// The obliquities of a table.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Obliquities {
+    /// From 0 to 180 deg in steps of this many degrees, which divides 180.
+    StepDeg(f64),
+    /// These, deg, in [0, 180] and ascending.
+    ListDeg(Vec<f64>),
+}
+
+impl Default for Sampling {
+    fn default() -> Self {
+        Self { obliquities: Obliquities::StepDeg(5.0), azimuth_bins: 120, declination_nodes: 37 }
+    }
+}
+
+impl Sampling {
+    /// The obliquities, deg.
+    ///
+    /// # Errors
+    /// [`TacoError`] if the step does not divide 180, or the list is empty, out of range or not ascending.
+    pub fn obliquities_deg(&self) -> Result<Vec<f64>, TacoError> {
+        match &self.obliquities {
+            Obliquities::StepDeg(step) => {
+                let intervals = (180.0 / step).round();
+                let divides = (1.0..=18_000.0).contains(&intervals) && (intervals * step - 180.0).abs() < 1e-9;
+                require(divides, "sampling.obliquities.step_deg", *step, "a step from 0.01 to 180 that divides 180")?;
+                Ok((0..=intervals as usize).map(|k| 180.0 * k as f64 / intervals).collect())
+            }
+            Obliquities::ListDeg(list) => {
+                let bad = |index, problem| Err(TacoError::BadObliquities { index, problem });
+                if list.is_empty() {
+                    return bad(0, "at least one is needed");
+                }
+                if let Some(index) = list.iter().position(|o| !(0.0..=180.0).contains(o)) {
+                    return bad(index, "must be in [0, 180] deg");
+                }
+                if let Some(index) = list.windows(2).position(|w| w[0] >= w[1]) {
+                    return bad(index + 1, "must be larger than the one before");
+                }
+                Ok(list.clone())
+            }
+        }
+    }
+
+    /// Refuses impossible values.
+    ///
+    /// # Errors
+    /// [`TacoError`] with the path of the value.
+    pub fn validate(&self) -> Result<(), TacoError> {
+        self.obliquities_deg()?;
+        let (bins, nodes) = (self.azimuth_bins, self.declination_nodes);
+        let ok = bins.is_multiple_of(4) && (16..=2880).contains(&bins);
+        require(ok, "sampling.azimuth_bins", bins as f64, "a multiple of 4 in [16, 2880]")?;
+        let ok = !nodes.is_multiple_of(2) && (5..=1441).contains(&nodes);
+        require(ok, "sampling.declination_nodes", nodes as f64, "an odd number in [5, 1441]")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn default_grid_is_that_of_the_paper() {
+        let grid = Sampling::default().obliquities_deg().unwrap();
+        assert_eq!((grid.len(), grid[0], grid[1], grid[36]), (37, 0.0, 5.0, 180.0));
+    }
+
+    #[test]
+    fn impossible_values_are_refused() {
+        let with = |obliquities| Sampling { obliquities, ..Sampling::default() };
+        for step in [7.0, 0.0, -5.0, f64::NAN, 1e-9, f64::INFINITY] {
+            assert!(with(Obliquities::StepDeg(step)).validate().is_err(), "{step}");
+        }
+        for list in [vec![], vec![181.0], vec![f64::NAN], vec![3.0, 3.0]] {
+            assert!(with(Obliquities::ListDeg(list)).validate().is_err());
+        }
+        assert_eq!(with(Obliquities::ListDeg(vec![171.64])).validate(), Ok(()));
+        assert!(Sampling { azimuth_bins: 70, ..Sampling::default() }.validate().is_err());
+        assert!(Sampling { declination_nodes: 36, ..Sampling::default() }.validate().is_err());
+    }
+}

@@ -1,0 +1,134 @@
+//! From torques at fixed solar declination to torques averaged over the orbit, for every obliquity.
+//!
+//! With the spin axis at obliquity eps and the Sun at true longitude lambda, `sin dec = sin eps sin lambda`, and the Sun's
+//! equatorial direction has the component `sin lambda cos eps / cos dec` along `e_1 = (e cos eps - N) / sin eps`, the
+//! direction that raises the obliquity (Rubincam 2000, Icarus 148, 2). Hence, averaging over lambda,
+//! `T_omega = <tau_z>` and `T_eps = <tau_u sin lambda cos eps / cos dec>`. Only the part of `tau_z` even and of `tau_u`
+//! odd in declination survives, which makes `T_omega` even and `T_eps` odd about 90 deg for a body that stores no heat.
+
+use crate::spline::{Symmetry, weights, weights_on_values};
+use std::f64::consts::FRAC_PI_2;
+
+/// Points of the midpoint rule over a quarter of the orbit; the integrand is a spline in the declination, on which 180
+/// points are good to 1e-7.
+const LONGITUDES: usize = 180;
+
+/// The averages as weights on the torques at each northern declination: everything after the facets is linear.
+#[derive(Debug)]
+pub(crate) struct Season {
+    nodes: usize,
+    /// `[obliquity][declination]`, for `tau_z`.
+    spin: Vec<f64>,
+    /// `[obliquity][declination]`, for `tau_u`.
+    obliquity: Vec<f64>,
+}
+
+/// Spin and obliquity torque at each obliquity.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Curve {
+    pub spin: Vec<f64>,
+    pub obliquity: Vec<f64>,
+}
+
+impl Season {
+    /// `nodes` declinations from the equator to the pole, spread evenly.
+    pub fn new(nodes: usize, obliquities_deg: &[f64]) -> Self {
+        let step = FRAC_PI_2 / (nodes - 1) as f64;
+        let declinations: Vec<f64> = (0..nodes).map(|k| k as f64 * step).collect();
+        let mut spin = vec![0.0; nodes * obliquities_deg.len()];
+        let mut obliquity = spin.clone();
+        for (e, &degrees) in obliquities_deg.iter().enumerate() {
+            // Folded about 90 deg, so that the symmetries hold to the last bit.
+            let folded = degrees.min(180.0 - degrees).to_radians();
+            let sign = if degrees > 90.0 { -1.0 } else { 1.0 };
+            let sin_eps = folded.sin();
+            let cos_eps = if degrees == 90.0 { 0.0 } else { sign * folded.cos() };
+            let row = e * nodes..(e + 1) * nodes;
+            let mut on_curvature = [vec![0.0; nodes], vec![0.0; nodes]];
+            for l in 0..LONGITUDES {
+                let sin_lambda = (FRAC_PI_2 * (l as f64 + 0.5) / LONGITUDES as f64).sin();
+                let sin_dec = sin_eps * sin_lambda;
+                let cos_dec = ((1.0 - sin_dec) * (1.0 + sin_dec)).sqrt();
+                let position = sin_dec.asin() / step;
+                let k = (position as usize).min(nodes - 2);
+                let basis = weights(step, position - k as f64);
+                let factors = [1.0, sin_lambda * cos_eps / cos_dec].map(|f| f / LONGITUDES as f64);
+                for (c, values) in [&mut spin[row.clone()], &mut obliquity[row.clone()]].into_iter().enumerate() {
+                    values[k] += factors[c] * basis[0];
+                    values[k + 1] += factors[c] * basis[1];
+                    on_curvature[c][k] += factors[c] * basis[2];
+                    on_curvature[c][k + 1] += factors[c] * basis[3];
+                }
+            }
+            let [spin, obliquity] = [&mut spin[row.clone()], &mut obliquity[row]];
+            let [even, odd] = on_curvature;
+            for (values, on_curvature, symmetry) in
+                [(&mut *spin, even, Symmetry::Even), (&mut *obliquity, odd, Symmetry::Odd)]
+            {
+                let more = weights_on_values(&declinations, on_curvature, symmetry);
+                values.iter_mut().zip(more).for_each(|(v, w)| *v += w);
+            }
+            // An odd function has no value at its ends; what round-off leaves there is dropped.
+            (obliquity[0], obliquity[nodes - 1]) = (0.0, 0.0);
+            if degrees == 0.0 || degrees == 180.0 {
+                obliquity.fill(0.0);
+            }
+        }
+        Self { nodes, spin, obliquity }
+    }
+
+    /// The curve of a response that has every `stride`-th of its declinations here: `[tau_z, tau_u]` from pole to pole.
+    pub fn curve(&self, response: &[f64], stride: usize) -> Curve {
+        let equator = (self.nodes - 1) * stride;
+        let at = |index: usize, c: usize| response[2 * index + c];
+        let folded: Vec<[f64; 2]> = (0..self.nodes)
+            .map(|n| {
+                let (north, south) = (equator + n * stride, equator - n * stride);
+                [0.5 * (at(north, 0) + at(south, 0)), 0.5 * (at(north, 1) - at(south, 1))]
+            })
+            .collect();
+        let average = |weights: &[f64], c: usize| {
+            let row = |w: &[f64]| w.iter().zip(&folded).map(|(w, t)| w * t[c]).sum();
+            weights.chunks(self.nodes).map(row).collect()
+        };
+        Curve { spin: average(&self.spin, 0), obliquity: average(&self.obliquity, 1) }
+    }
+}
+
+impl Curve {
+    /// The curve times a factor.
+    pub fn scaled(mut self, factor: f64) -> Self {
+        self.spin.iter_mut().chain(&mut self.obliquity).for_each(|t| *t *= factor);
+        self
+    }
+
+    /// Largest distance between two curves: of the spin and of the obliquity torque.
+    pub fn distance(&self, other: &Self) -> [f64; 2] {
+        let worst = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        [worst(&self.spin, &other.spin), worst(&self.obliquity, &other.obliquity)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// tau_z = cos 2 dec averages to 1 - sin^2 eps; tau_u = sin dec cos dec gives sin eps cos eps / 2.
+    #[test]
+    fn smooth_torques_average_to_their_closed_forms() {
+        let nodes = 37;
+        let obliquities = [0.0, 5.0, 30.0, 77.0, 90.0, 103.0, 150.0, 180.0];
+        let season = Season::new(nodes, &obliquities);
+        let response: Vec<f64> = (0..2 * nodes - 1)
+            .map(|k| (k as f64 / (nodes - 1) as f64 - 1.0) * FRAC_PI_2)
+            .flat_map(|dec| [(2.0 * dec).cos() + dec.sin(), dec.sin() * dec.cos() + dec.cos()])
+            .collect();
+        let curve = season.curve(&response, 1);
+        for (k, eps) in obliquities.iter().map(|o| o.to_radians()).enumerate() {
+            assert!((curve.spin[k] - (1.0 - eps.sin().powi(2))).abs() < 2e-7, "{}", curve.spin[k]);
+            assert!((curve.obliquity[k] - 0.5 * eps.sin() * eps.cos()).abs() < 2e-7, "{}", curve.obliquity[k]);
+        }
+        assert_eq!([curve.obliquity[0], curve.obliquity[4], curve.obliquity[7]], [0.0; 3]);
+        assert_eq!((curve.spin[3], curve.obliquity[3]), (curve.spin[5], -curve.obliquity[5]));
+    }
+}

@@ -1,0 +1,142 @@
+//! What the surface does with light: scattering, emission, shadows.
+
+use crate::error::{TacoError, require};
+
+/// Optical and thermal properties, the same everywhere on the body; no heat is stored.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Surface {
+    /// How sunlight is scattered [Hapke].
+    pub reflectance: Reflectance,
+    /// Infrared emissivity, in (0, 1] [0.9]. Cancels out of the torque as long as no heat is stored: what is absorbed
+    /// is emitted at once, at whatever temperature that takes.
+    pub emissivity: f64,
+    /// Whether one part of the body shades another [true]. Shadows are those of the facet's centroid.
+    pub shadows: bool,
+    /// Whether emitted light that meets another part of the body is taken off the recoil [true].
+    pub sky_blockage: bool,
+}
+
+impl Default for Surface {
+    fn default() -> Self {
+        Self { reflectance: Reflectance::default(), emissivity: 0.9, shadows: true, sky_blockage: true }
+    }
+}
+
+/// How sunlight is scattered.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Reflectance {
+    /// Black: everything is absorbed.
+    None,
+    /// The same radiance in all directions.
+    Lambert {
+        /// Fraction of the sunlight that is scattered, in [0, 1].
+        bond_albedo: f64,
+    },
+    /// Hapke's photometric model.
+    Hapke(Hapke),
+}
+
+impl Default for Reflectance {
+    fn default() -> Self {
+        Self::Hapke(Hapke::default())
+    }
+}
+
+/// Parameters of Hapke's model without opposition effect (Hapke 2002, Icarus 157, 523; roughness of Hapke 1984,
+/// Icarus 59, 41). The defaults are the average S-type of Cotto-Figueroa et al. 2015 (ApJ 803, 25).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hapke {
+    /// Single-scattering albedo w, in [0, 1) [0.23].
+    pub single_scattering_albedo: f64,
+    /// Mean slope angle of the macroscopic roughness, deg, in [0, 60) [20].
+    pub roughness_deg: f64,
+    /// Asymmetry of the one-term Henyey-Greenstein phase function of the phase angle, in (-1, 1); negative scatters
+    /// back towards the Sun [-0.35].
+    pub asymmetry: f64,
+    /// Treatment of multiply scattered light [H2002].
+    pub multiple_scattering: MultipleScattering,
+}
+
+impl Default for Hapke {
+    fn default() -> Self {
+        Self {
+            single_scattering_albedo: 0.23,
+            roughness_deg: 20.0,
+            asymmetry: -0.35,
+            multiple_scattering: MultipleScattering::H2002,
+        }
+    }
+}
+
+/// Multiple scattering between grains.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum MultipleScattering {
+    /// Anisotropic, Hapke 2002 eq. 17.
+    #[default]
+    H2002,
+    /// Isotropic multiple-scattering approximation (Hapke 1981).
+    Imsa,
+}
+
+impl Surface {
+    /// Refuses impossible values.
+    ///
+    /// # Errors
+    /// [`TacoError::OutOfRange`] with the path of the value.
+    pub fn validate(&self) -> Result<(), TacoError> {
+        let emissivity = self.emissivity;
+        require(emissivity > 0.0 && emissivity <= 1.0, "surface.emissivity", emissivity, "(0, 1]")?;
+        match self.reflectance {
+            Reflectance::None => Ok(()),
+            Reflectance::Lambert { bond_albedo: albedo } => {
+                require((0.0..=1.0).contains(&albedo), "surface.reflectance.lambert.bond_albedo", albedo, "[0, 1]")
+            }
+            Reflectance::Hapke(hapke) => hapke.validate(),
+        }
+    }
+}
+
+impl Hapke {
+    /// Refuses impossible values.
+    ///
+    /// # Errors
+    /// [`TacoError::OutOfRange`] with the path of the value.
+    pub fn validate(&self) -> Result<(), TacoError> {
+        let Self { single_scattering_albedo: w, roughness_deg, asymmetry, .. } = *self;
+        require((0.0..1.0).contains(&w), "surface.reflectance.hapke.single_scattering_albedo", w, "[0, 1)")?;
+        let rough = (0.0..60.0).contains(&roughness_deg);
+        require(rough, "surface.reflectance.hapke.roughness_deg", roughness_deg, "[0, 60) deg")?;
+        require(asymmetry.abs() < 1.0, "surface.reflectance.hapke.asymmetry", asymmetry, "(-1, 1)")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn impossible_values_are_refused_with_their_path() {
+        assert_eq!(Surface::default().validate(), Ok(()));
+        let hapke = |h: Hapke| Surface { reflectance: Reflectance::Hapke(h), ..Surface::default() };
+        let cases = [
+            (Surface { emissivity: 0.0, ..Surface::default() }, "surface.emissivity"),
+            (Surface { emissivity: f64::NAN, ..Surface::default() }, "surface.emissivity"),
+            (
+                Surface { reflectance: Reflectance::Lambert { bond_albedo: 1.1 }, ..Surface::default() },
+                "surface.reflectance.lambert.bond_albedo",
+            ),
+            (
+                hapke(Hapke { single_scattering_albedo: 1.0, ..Hapke::default() }),
+                "surface.reflectance.hapke.single_scattering_albedo",
+            ),
+            (hapke(Hapke { roughness_deg: 60.0, ..Hapke::default() }), "surface.reflectance.hapke.roughness_deg"),
+            (hapke(Hapke { asymmetry: -1.0, ..Hapke::default() }), "surface.reflectance.hapke.asymmetry"),
+        ];
+        for (surface, expected) in cases {
+            match surface.validate() {
+                Err(TacoError::OutOfRange { path, .. }) => assert_eq!(path, expected),
+                other => panic!("{expected}: {other:?}"),
+            }
+        }
+    }
+}
