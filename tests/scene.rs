@@ -1,4 +1,4 @@
-//! Scenes through the program: the shipped ones are accepted, broken ones are refused with everything one needs to mend them.
+//! Scenes through the program: shipped ones are accepted, broken ones refused with everything one needs to mend them.
 
 use std::path::{Path, PathBuf};
 

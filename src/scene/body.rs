@@ -6,7 +6,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Body {
-    /// A random packing of equal spheres in an ellipsoid, settled in rotation (section 2.5 of Cotto-Figueroa et al. 2015).
+    /// A random packing of equal spheres in an ellipsoid, settled in rotation (Cotto-Figueroa et al. 2015,
+    /// section 2.5).
     PackedEllipsoid(PackedEllipsoid),
     /// An aggregate of the user's own.
     File(FileBody),
@@ -44,7 +45,7 @@ pub struct FileBody {
 pub struct CarvedMesh {
     /// The mesh, relative to the folder of the scene.
     pub path: String,
-    /// Unit of the mesh's coordinates [m].
+    /// Unit of the mesh's coordinates (default m).
     #[serde(default)]
     pub unit: LengthUnit,
     /// The packing that is carved.

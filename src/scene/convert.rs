@@ -23,7 +23,7 @@ impl Contact {
 }
 
 impl Surface {
-    /// The surface as the radiation crate knows it; one that scatters nothing becomes black, so that nothing is tabulated.
+    /// The surface as the radiation crate knows it; without albedo it becomes black, so that nothing is tabulated.
     pub fn to_taco(&self) -> taco::Surface {
         let reflectance = match &self.reflectance {
             Reflectance::Hapke(hapke) if hapke.single_scattering_albedo > 0.0 => {

@@ -8,9 +8,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Spin {
-    /// Rotation period, h [6, a common value for bodies of a kilometre].
+    /// Rotation period, h (default 6, a common value for bodies of a kilometre).
     pub period_h: f64,
-    /// Angle between spin vector and orbit normal, deg, 0 to 180 [5, Table 3].
+    /// Angle between spin vector and orbit normal, deg, 0 to 180 (default 5, Table 3).
     pub obliquity_deg: f64,
 }
 
@@ -50,20 +50,21 @@ impl Default for Contact {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct HardSphereContact {
-    /// Normal restitution: 1 is elastic, 0 takes all normal speed [0.2].
+    /// Normal restitution: 1 is elastic, 0 takes all normal speed (default 0.2).
     pub restitution_normal: f64,
-    /// Tangential restitution: 1 is frictionless (spheres then carry no spin), 0 sticks, -1 reverses [0.5].
+    /// Tangential restitution: 1 is frictionless (spheres then carry no spin), 0 sticks, -1 reverses (default 0.5).
     pub restitution_tangential: f64,
-    /// Impacts slower than this fraction of the pair's escape speed lose nothing [0.01].
+    /// Impacts slower than this fraction of the pair's escape speed lose nothing (default 0.01).
     pub slide_limit: f64,
-    /// Which speed the slide limit looks at [centre, as in pkdgrav].
+    /// Which speed the slide limit looks at (default centre, as in pkdgrav).
     pub slide_velocity: SlideVelocity,
-    /// A sphere that moved less than this fraction of its radius since its last impact loses nothing [1e-5]; smaller is
-    /// dearer (1e-6 about doubles the cost).
+    /// A sphere that moved less than this fraction of its radius since its last impact loses nothing (default 1e-5);
+    /// smaller is dearer (1e-6 about doubles the cost).
     pub collapse_limit: f64,
-    /// Time step of gravity, s [50]; halving it about doubles the cost. Gravity wants at most 0.03/sqrt(G rho_grain).
+    /// Time step of gravity, s (default 50); a fifth of it about doubles the cost. Gravity wants at most
+    /// 0.03/sqrt(G rho), rho the density of the spheres.
     pub step_s: f64,
-    /// Impacts of one sphere within a step after which it loses nothing more; counted when it happens [10000].
+    /// Impacts of one sphere within a step after which it loses nothing more; counted when it happens (default 10000).
     pub max_collisions_per_sphere: u32,
 }
 
@@ -96,9 +97,9 @@ pub enum SlideVelocity {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct GravityOptions {
-    /// The method [auto].
+    /// The method (default auto).
     pub method: GravityMethod,
-    /// Relative error of the force that an approximate method may make [1e-3]; the direct sum makes none.
+    /// Relative error of the force that an approximate method may make (default 1e-3); the direct sum makes none.
     pub force_error: f64,
 }
 
@@ -123,9 +124,9 @@ pub enum GravityMethod {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Settling {
-    /// Rotations in a block; a block without movement ends the settling [5, "several" in section 2.4].
+    /// Rotations in a block; a block without movement ends the settling (default 5, "several" in section 2.4).
     pub rotations: u32,
-    /// Rotations after which settling ends in any case and says so [50].
+    /// Rotations after which settling ends in any case and says so (default 50).
     pub max_rotations: u32,
 }
 
@@ -139,7 +140,7 @@ impl Default for Settling {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Shed {
-    /// How they are followed [none].
+    /// How they are followed (default none).
     pub track: Track,
 }
 

@@ -8,11 +8,11 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct TilingOptions {
-    /// Number of triangles, even: `2 V - 4` with `V` vertices [784].
+    /// Number of triangles, even: `2 V - 4` with `V` vertices (default 784).
     pub facets: u32,
-    /// Exponent n of the implicit function [2].
+    /// Exponent n of the implicit function (default 2).
     pub exponent: u32,
-    /// Level G0 [1.25].
+    /// Level G0 (default 1.25).
     pub level: f64,
 }
 
@@ -33,19 +33,19 @@ impl TilingOptions {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Evolution {
-    /// End of the evolution, Myr [15].
+    /// End of the evolution, Myr (default 15).
     pub duration_myr: f64,
-    /// Relative change of the spin rate after which the aggregate is looked at again [0.005].
+    /// Relative change of the spin rate after which the aggregate is looked at again (default 0.005).
     pub spin_change: f64,
-    /// Step of the fourth-order Runge-Kutta integration of spin and obliquity, yr [1000].
+    /// Step of the fourth-order Runge-Kutta integration of spin and obliquity, yr (default 1000).
     pub rk4_step_yr: f64,
-    /// A sphere counts as moved when it shifted by more than this fraction of its radius [0.25].
+    /// A sphere counts as moved when it shifted by more than this fraction of its radius (default 0.25).
     pub movement_radius_fraction: f64,
-    /// How moved spheres are told from the rest [robust].
+    /// How moved spheres are told from the rest (default robust).
     pub movement_rule: MovementRule,
-    /// If more than this fraction of the spheres moved at once, the step is taken again in fifths [0.5].
+    /// If more than this fraction of the spheres moved at once, the step is taken again in fifths (default 0.5).
     pub moved_fraction_limit: f64,
-    /// Period beyond which the body counts as spun down, h; null never stops it [20].
+    /// Period beyond which the body counts as spun down, h; null never stops it (default 20).
     pub stop_period_h: Option<f64>,
 }
 

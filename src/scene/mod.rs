@@ -47,7 +47,7 @@ pub struct Scene {
     /// What the user calls this scene, at most 200 characters.
     #[serde(default)]
     pub name: String,
-    /// Seed of every random choice: the same seed on the same build gives the same bytes [0].
+    /// Seed of every random choice: the same seed on the same build gives the same bytes (default 0).
     #[serde(default)]
     pub seed: u64,
     /// The body; the one key without a default.

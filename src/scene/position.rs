@@ -187,7 +187,9 @@ mod tests {
 
     proptest! {
         #[test]
-        fn prop_arbitrary_text_never_panics(text in ".{0,200}", keys in prop::collection::vec("[a-c\"]{0,2}", 0..4), at in 0_usize..300) {
+        fn prop_arbitrary_text_never_panics(
+            text in ".{0,200}", keys in prop::collection::vec("[a-c\"]{0,2}", 0..4), at in 0_usize..300
+        ) {
             let path: Vec<Step> = keys.iter().map(|k| key(k)).collect();
             let _ = find(&text, &path);
             let _ = line_column(&text, at.min(text.len()));

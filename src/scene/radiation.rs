@@ -8,9 +8,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Orbit {
-    /// Semimajor axis, au [1].
+    /// Semimajor axis, au (default 1).
     pub semimajor_axis_au: f64,
-    /// Eccentricity, 0 to below 1 [0].
+    /// Eccentricity, 0 to below 1 (default 0).
     pub eccentricity: f64,
 }
 
@@ -24,19 +24,19 @@ impl Default for Orbit {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Surface {
-    /// How sunlight is scattered [Hapke, average S-type].
+    /// How sunlight is scattered (default Hapke, average S-type).
     pub reflectance: Reflectance,
-    /// Thermal inertia, J m^-2 K^-1 s^-1/2 [0, absorbed light leaves where and when it arrived].
+    /// Thermal inertia, J m^-2 K^-1 s^-1/2 (default 0, absorbed light leaves where and when it arrived).
     pub thermal_inertia: f64,
-    /// Thermal emissivity [0.9]; without thermal inertia it cancels.
+    /// Thermal emissivity (default 0.9); without thermal inertia it cancels.
     pub emissivity: f64,
-    /// Whether one part of the body may shade another [true].
+    /// Whether one part of the body may shade another (default true).
     pub shadows: bool,
-    /// Whether emitted light that meets another part of the body is taken off the recoil [true].
+    /// Whether emitted light that meets another part of the body is taken off the recoil (default true).
     pub sky_blockage: bool,
-    /// Whether light from one part of the body heats another [none].
+    /// Whether light from one part of the body heats another (default none).
     pub self_heating: SelfHeating,
-    /// Recoil of boulders that conduct heat through (Golubov & Krugly 2012) [none].
+    /// Recoil of boulders that conduct heat through (Golubov & Krugly 2012) (default none).
     pub tangential_yorp: TangentialYorp,
 }
 
@@ -76,13 +76,13 @@ impl Default for Reflectance {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct HapkeReflectance {
-    /// Single-scattering albedo w [0.23].
+    /// Single-scattering albedo w (default 0.23).
     pub single_scattering_albedo: f64,
-    /// Mean slope angle of the roughness below facet size, deg [20].
+    /// Mean slope angle of the roughness below facet size, deg (default 20).
     pub roughness_deg: f64,
-    /// Asymmetry of the one-term Henyey-Greenstein function in the phase angle; negative scatters back [-0.35].
+    /// Asymmetry of the one-term Henyey-Greenstein function in the phase angle; negative scatters back (default -0.35).
     pub asymmetry: f64,
-    /// Multiple-scattering term [h2002].
+    /// Multiple-scattering term (default h2002).
     pub multiple_scattering: MultipleScattering,
 }
 
@@ -112,7 +112,7 @@ pub enum MultipleScattering {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct LambertReflectance {
-    /// Bond albedo [0.1].
+    /// Bond albedo (default 0.1).
     pub bond_albedo: f64,
 }
 
@@ -144,13 +144,15 @@ pub enum TangentialYorp {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct TorqueOptions {
-    /// Spacing of the obliquity nodes, deg; divides 180 [5].
+    /// Spacing of the obliquity nodes, deg; divides 180 (default 5).
     pub obliquity_step_deg: f64,
-    /// Interpolation between the nodes [cubic].
+    /// Interpolation between the nodes (default cubic).
     pub interpolation: Interpolation,
-    /// Azimuths at which the horizon of a facet is known, a multiple of 4 [120]; time and memory grow in proportion.
+    /// Azimuths at which the horizon of a facet is known, a multiple of 4 (default 120); time and memory grow in
+    /// proportion.
     pub azimuth_bins: u32,
-    /// Solar declinations from equator to pole at which the rotation is averaged, odd [37]; time grows in proportion.
+    /// Solar declinations from equator to pole at which the rotation is averaged, odd (default 37); time grows in
+    /// proportion.
     pub declination_nodes: u32,
 }
 
