@@ -12,7 +12,9 @@ use super::ball::Ball;
 use super::impact::{Restitution, impact, surface_velocity};
 use super::neighbours::{Neighbours, RigidMotion};
 use super::parameters::{HardSphereParameters, SlideVelocity};
-use super::predict::{Meeting, NONE, Predict, predictor};
+#[cfg(target_arch = "x86_64")]
+use super::predict::Avx2;
+use super::predict::{Meeting, NONE, Predict, Scalar, first_meeting_but};
 use super::report::CollisionCounts;
 use super::tournament::Tournament;
 use crate::constants::G;
@@ -46,7 +48,7 @@ impl Mark {
 }
 
 /// Memory of the event loop; holds nothing from one step to the next.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Drift {
     /// The spheres and [`Ball::NOWHERE`].
     balls: Vec<Ball>,
@@ -54,20 +56,34 @@ pub(super) struct Drift {
     marks: Vec<Mark>,
     events: Tournament,
     neighbours: Neighbours,
-    predict: Predict,
 }
 
-impl Default for Drift {
-    fn default() -> Self {
-        Self {
-            balls: Vec::new(),
-            spins: Vec::new(),
-            marks: Vec::new(),
-            events: Tournament::default(),
-            neighbours: Neighbours::default(),
-            predict: predictor(),
+/// The event loop, compiled for one kind of predictor and spheres with or without spins.
+type EventLoop = fn(&mut Drift, &HardSphereParameters, &RigidMotion, f64, &mut CollisionCounts) -> Result<(), usize>;
+
+/// The fastest event loop of this processor; `smooth` spheres do not need their spins.
+fn event_loop(smooth: bool) -> EventLoop {
+    #[cfg(target_arch = "x86_64")]
+    if std::arch::is_x86_feature_detected!("avx2") {
+        /// The whole loop, so that everything in it becomes vectors of four.
+        #[target_feature(enable = "avx2")]
+        fn with_avx2<const SPIN: bool>(
+            drift: &mut Drift,
+            parameters: &HardSphereParameters,
+            motion: &RigidMotion,
+            step: f64,
+            counts: &mut CollisionCounts,
+        ) -> Result<(), usize> {
+            drift.run::<Avx2, SPIN>(parameters, motion, step, counts)
         }
+        // SAFETY: the processor has AVX2.
+        return if smooth {
+            |d, p, m, s, c| unsafe { with_avx2::<false>(d, p, m, s, c) }
+        } else {
+            |d, p, m, s, c| unsafe { with_avx2::<true>(d, p, m, s, c) }
+        };
     }
+    if smooth { Drift::run::<Scalar, false> } else { Drift::run::<Scalar, true> }
 }
 
 impl Drift {
@@ -85,10 +101,10 @@ impl Drift {
         self.load(spheres);
         let mut counts = CollisionCounts::default();
         let motion = RigidMotion::of(&self.balls[..spheres.len()]);
-        self.look_around(&motion, 0.0, step, &mut counts);
+        self.look_around::<Scalar>(&motion, 0.0, step, &mut counts);
         let before = self.deepest_overlap(0.0, time_s)?;
         let smooth = parameters.restitution_tangential == 1.0 && parameters.slide_velocity == SlideVelocity::Centre;
-        let run = if smooth { Self::run::<false> } else { Self::run::<true> };
+        let run = event_loop(smooth);
         run(self, parameters, &motion, step, &mut counts).map_err(|sphere| PkdError::CollisionRunaway {
             sphere,
             collisions: self.marks[sphere].collisions,
@@ -102,7 +118,7 @@ impl Drift {
     fn load(&mut self, spheres: &Spheres) {
         let count = spheres.len();
         self.balls.clear();
-        self.balls.extend((0..count).map(|i| Ball::new(spheres, i)));
+        self.balls.extend((0..count).map(|i| Ball::of(spheres, i)));
         self.balls.push(Ball::NOWHERE);
         self.spins.clear();
         self.spins.extend((0..count).map(|i| Vector3::from(spheres.spin(i))));
@@ -114,7 +130,7 @@ impl Drift {
         for i in 0..spheres.len() {
             let at = self.balls[i].position_at(step);
             (spheres.x[i], spheres.y[i], spheres.z[i]) = (at.x, at.y, at.z);
-            let [vx, vy, vz] = self.balls[i].velocity;
+            let [vx, vy, vz, _] = self.balls[i].course;
             (spheres.vx[i], spheres.vy[i], spheres.vz[i]) = (vx, vy, vz);
             let w = self.spins[i];
             (spheres.wx[i], spheres.wy[i], spheres.wz[i]) = (w.x, w.y, w.z);
@@ -122,7 +138,8 @@ impl Drift {
     }
 
     /// The event loop. The error is the sphere that collides without end.
-    fn run<const SPIN: bool>(
+    #[inline(always)]
+    fn run<P: Predict, const SPIN: bool>(
         &mut self,
         parameters: &HardSphereParameters,
         motion: &RigidMotion,
@@ -130,36 +147,35 @@ impl Drift {
         counts: &mut CollisionCounts,
     ) -> Result<(), usize> {
         loop {
-            let event = self.events.first();
-            let (i, now) = (event.index as usize, event.key);
+            let (i, now) = self.events.first();
             if now >= step {
                 return Ok(());
             }
             let mark = self.marks[i];
             if mark.partner == LEASH_END {
-                self.look_around(motion, now, step, counts);
+                self.look_around::<P>(motion, now, step, counts);
                 continue;
             }
             let j = mark.partner as usize;
             if self.marks[j].collisions != mark.partner_collisions {
                 counts.repredictions += 1;
-                self.schedule(i, now, step);
+                self.schedule::<P>(i, now, step);
                 continue;
             }
-            self.collide::<SPIN>(i, j, now, parameters, counts);
+            self.collide::<P, SPIN>(i, j, now, parameters, counts);
             if self.marks[i].collisions.max(self.marks[j].collisions)
                 > parameters.max_collisions_per_sphere.saturating_mul(RUNAWAY)
             {
                 return Err(if self.marks[i].collisions > self.marks[j].collisions { i } else { j });
             }
-            self.schedule(i, now, step);
-            self.schedule(j, now, step);
+            self.schedule::<P>(i, now, step);
+            self.schedule::<P>(j, now, step);
         }
     }
 
     /// Resolves the meeting of `i` and `j` at time `now`.
-    #[inline]
-    fn collide<const SPIN: bool>(
+    #[inline(always)]
+    fn collide<P: Predict, const SPIN: bool>(
         &mut self,
         i: usize,
         j: usize,
@@ -173,8 +189,11 @@ impl Drift {
         let restitution = self.restitution::<SPIN>(i, j, now, normal, spins, parameters, counts);
         match impact::<SPIN>([&one, &two], spins, normal, restitution) {
             Some(change) => {
-                self.balls[i].deflect(change.velocity[0], now);
-                self.balls[j].deflect(change.velocity[1], now);
+                // SAFETY: `event_loop` chose a predictor of this processor.
+                unsafe {
+                    P::deflect(&mut self.balls[i], change.velocity[0], now);
+                    P::deflect(&mut self.balls[j], change.velocity[1], now);
+                }
                 if SPIN {
                     self.spins[i] += change.spin[0];
                     self.spins[j] += change.spin[1];
@@ -191,7 +210,7 @@ impl Drift {
     }
 
     /// Chooses the restitution: the limit on inelastic collapse goes before the slide limit, that before the nominal values.
-    #[inline]
+    #[inline(always)]
     #[expect(clippy::too_many_arguments, reason = "one call, split off to be read alone")]
     fn restitution<const SPIN: bool>(
         &self,
@@ -217,7 +236,7 @@ impl Drift {
         let radial2 = r.dot(&v).powi(2);
         let limit2 = parameters.collapse_limit * parameters.collapse_limit * r.norm_squared();
         let collapsed = |mark: &Mark, ball: &Ball| {
-            radial2 * (now - mark.collided_at).powi(2) < limit2 * (ball.radius * ball.radius)
+            radial2 * (now - mark.collided_at).powi(2) < limit2 * (ball.radius() * ball.radius())
         };
         if collapsed(mark_one, one) | collapsed(mark_two, two) {
             counts.collapse += 1;
@@ -227,8 +246,8 @@ impl Drift {
             SlideVelocity::Surface if SPIN => surface_velocity([one, two], spins, normal).norm_squared(),
             _ => v.norm_squared(),
         };
-        let escape2 = 2.0 * G * (one.mass + two.mass);
-        if speed2 * (one.radius + two.radius) < parameters.slide_limit * parameters.slide_limit * escape2 {
+        let escape2 = 2.0 * G * (one.mass() + two.mass());
+        if speed2 * (one.radius() + two.radius()) < parameters.slide_limit * parameters.slide_limit * escape2 {
             counts.slide += 1;
             return Restitution::ELASTIC;
         }
@@ -237,19 +256,25 @@ impl Drift {
     }
 
     /// Predicts the next event of sphere `i` from `now` on.
-    #[inline]
-    fn schedule(&mut self, i: usize, now: f64, step: f64) {
-        // The pair that has just collided recedes. Should round-off see it otherwise, it would be resolved for ever.
-        let last = self.marks[i].last;
-        let skipped = if last != NONE && self.marks[last as usize].last == i as u32 { last } else { NONE };
-        // SAFETY: the lists hold indices of balls, and `predictor` chose a function of this processor.
-        let Meeting { delay, mut partner } =
-            unsafe { (self.predict)(&self.balls, i, self.neighbours.of(i), now, skipped) };
+    #[inline(always)]
+    fn schedule<P: Predict>(&mut self, i: usize, now: f64, step: f64) {
+        let row = self.neighbours.of(i);
+        // SAFETY: the lists hold indices of balls, and `event_loop` chose a predictor of this processor.
+        let Meeting { delay, mut partner } = unsafe { P::first_meeting(&self.balls, i, row, now) };
         let mut time = now + delay;
-        if let Some(end) = self.neighbours.leaves(i, &self.balls[i], now, time.min(step)) {
-            (time, partner) = (end, LEASH_END);
+        let mut partner_collisions = 0;
+        if let Some(mark) = self.marks.get(partner as usize) {
+            partner_collisions = mark.collisions;
+            // The pair that has just collided recedes. Should round-off see it otherwise, it would be resolved for ever.
+            if mark.last == i as u32 && self.marks[i].last == partner {
+                let other = first_meeting_but(partner, &self.balls, i, row, now);
+                (time, partner) = (now + other.delay, other.partner);
+                partner_collisions = self.marks.get(partner as usize).map_or(0, |mark| mark.collisions);
+            }
         }
-        let partner_collisions = self.marks.get(partner as usize).map_or(0, |mark| mark.collisions);
+        if !self.neighbours.keeps(i, &self.balls[i], time.min(step)) {
+            (time, partner) = (self.neighbours.leash_end(i, &self.balls[i], now), LEASH_END);
+        }
         let mark = &mut self.marks[i];
         mark.partner = partner;
         mark.partner_collisions = partner_collisions;
@@ -257,13 +282,13 @@ impl Drift {
     }
 
     /// Makes the neighbour lists at time `now` and predicts everything anew.
-    #[cold]
-    fn look_around(&mut self, motion: &RigidMotion, now: f64, step: f64, counts: &mut CollisionCounts) {
+    #[inline(never)]
+    fn look_around<P: Predict>(&mut self, motion: &RigidMotion, now: f64, step: f64, counts: &mut CollisionCounts) {
         counts.list_rebuilds += 1;
         self.neighbours.rebuild(&self.balls, motion, now, step);
         self.events.reset(self.marks.iter().map(|_| f64::INFINITY));
         for i in 0..self.marks.len() {
-            self.schedule(i, now, step);
+            self.schedule::<P>(i, now, step);
         }
     }
 
@@ -273,9 +298,9 @@ impl Drift {
         for &(first, second) in self.neighbours.pairs() {
             let [one, two] = [first, second].map(|k| &self.balls[k as usize]);
             let r2 = (two.position_at(now) - one.position_at(now)).norm_squared();
-            let touch = one.radius + two.radius;
+            let touch = one.radius() + two.radius();
             if r2 < touch * touch {
-                let fraction = (touch - r2.sqrt()) / one.radius.min(two.radius);
+                let fraction = (touch - r2.sqrt()) / one.radius().min(two.radius());
                 if fraction > super::OVERLAP_LIMIT {
                     let (first, second) = (first.min(second) as usize, first.max(second) as usize);
                     return Err(PkdError::Overlap { first, second, fraction, time_s });

@@ -31,18 +31,18 @@ pub(super) struct Change {
 }
 
 /// Velocity of the second surface relative to the first at the contact, m/s; `normal` points from the first to the second.
-#[inline]
+#[inline(always)]
 pub(super) fn surface_velocity(balls: [&Ball; 2], spins: [Vector3<f64>; 2], normal: Vector3<f64>) -> Vector3<f64> {
     let [one, two] = balls;
     // s2 - s1 = -(R2 w2 + R1 w1) x n
-    two.velocity() - one.velocity() - (spins[0] * one.radius + spins[1] * two.radius).cross(&normal)
+    two.velocity() - one.velocity() - (spins[0] * one.radius() + spins[1] * two.radius()).cross(&normal)
 }
 
 /// The impulse on two touching spheres, or nothing when they do not approach.
 ///
 /// `normal` is the unit vector from the first to the second centre. Without `SPIN` the spheres are taken as perfectly
 /// smooth: `restitution.tangential` and the spins are not looked at.
-#[inline]
+#[inline(always)]
 pub(super) fn impact<const SPIN: bool>(
     balls: [&Ball; 2],
     spins: [Vector3<f64>; 2],
@@ -55,8 +55,8 @@ pub(super) fn impact<const SPIN: bool>(
     if closing >= 0.0 {
         return None;
     }
-    let share = 1.0 / (one.mass + two.mass);
-    let (share_one, share_two) = (two.mass * share, one.mass * share);
+    let share = 1.0 / (one.mass() + two.mass());
+    let (share_one, share_two) = (two.mass() * share, one.mass() * share);
     let along = normal * ((1.0 + restitution.normal) * closing);
     if !SPIN {
         return Some(Change { velocity: [along * share_one, along * -share_two], spin: [Vector3::zeros(); 2] });
@@ -69,7 +69,7 @@ pub(super) fn impact<const SPIN: bool>(
     let torque = normal.cross(&surfaces) * (2.5 * lost);
     Some(Change {
         velocity: [impulse * share_one, impulse * -share_two],
-        spin: [torque * (share_one / one.radius), torque * (share_two / two.radius)],
+        spin: [torque * (share_one / one.radius()), torque * (share_two / two.radius())],
     })
 }
 
@@ -106,14 +106,14 @@ mod tests {
         }
 
         fn momentum(&self) -> Vector3<f64> {
-            self.balls.iter().map(|b| b.velocity() * b.mass).sum()
+            self.balls.iter().map(|b| b.velocity() * b.mass()).sum()
         }
 
         fn angular_momentum(&self) -> Vector3<f64> {
-            let inertia = |b: &Ball| 0.4 * b.mass * b.radius * b.radius;
+            let inertia = |b: &Ball| 0.4 * b.mass() * b.radius() * b.radius();
             let one = |k: usize| {
                 let b = &self.balls[k];
-                b.origin().cross(&b.velocity()) * b.mass + self.spins[k] * inertia(b)
+                b.origin().cross(&b.velocity()) * b.mass() + self.spins[k] * inertia(b)
             };
             one(0) + one(1)
         }
@@ -121,8 +121,8 @@ mod tests {
         fn kinetic_energy(&self) -> f64 {
             let one = |k: usize| {
                 let b = &self.balls[k];
-                let inertia = 0.4 * b.mass * b.radius * b.radius;
-                0.5 * (b.mass * b.velocity().norm_squared() + inertia * self.spins[k].norm_squared())
+                let inertia = 0.4 * b.mass() * b.radius() * b.radius();
+                0.5 * (b.mass() * b.velocity().norm_squared() + inertia * self.spins[k].norm_squared())
             };
             one(0) + one(1)
         }
@@ -141,15 +141,15 @@ mod tests {
         )
             .prop_map(|((m1, m2, r1, r2), n, (v1, v2, w1, w2)): ((f64, f64, f64, f64), _, _)| {
                 let place = n.normalize() * (r1 + r2);
-                let one = Ball { position: [0.0; 3], radius: r1, velocity: v1.into(), mass: m1 };
-                let two = Ball { position: place.into(), radius: r2, velocity: v2.into(), mass: m2 };
+                let one = Ball::new([0.0; 3], r1, v1.into(), m1);
+                let two = Ball::new(place.into(), r2, v2.into(), m2);
                 Pair { balls: [one, two], spins: [w1, w2] }
             })
     }
 
     #[test]
     fn oblique_impact_of_unit_spheres_has_the_known_outcome() {
-        let at = |x: f64, v: [f64; 3]| Ball { position: [x, 0.0, 0.0], radius: 1.0, velocity: v, mass: 1.0 };
+        let at = |x: f64, v: [f64; 3]| Ball::new([x, 0.0, 0.0], 1.0, v, 1.0);
         let mut pair = Pair { balls: [at(0.0, [1.0, 0.5, 0.0]), at(2.0, [0.0; 3])], spins: [Vector3::zeros(); 2] };
         assert!(pair.hit(Restitution { normal: 0.2, tangential: 0.5 }));
         let close = |found: Vector3<f64>, x: f64, y: f64, z: f64| {
@@ -174,7 +174,7 @@ mod tests {
             prop_assert!(pair.hit(restitution));
             prop_assert!((pair.momentum() - p).norm() < 1e-14);
             prop_assert!((pair.angular_momentum() - l).norm() < 1e-13);
-            let [m1, m2] = pair.balls.map(|b| b.mass);
+            let [m1, m2] = pair.balls.map(|b| b.mass());
             let mu = m1 * m2 / (m1 + m2);
             let loss = 0.5 * mu * ((1.0 - normal * normal) * u_n * u_n
                 + 2.0 / 7.0 * (1.0 - tangential * tangential) * u_t.norm_squared());

@@ -13,6 +13,7 @@ mod parameters;
 mod predict;
 mod repair;
 mod report;
+mod sweep;
 mod tournament;
 
 pub use parameters::{HardSphereParameters, SlideVelocity};

@@ -8,6 +8,7 @@
 
 use super::ball::Ball;
 use super::predict::LANES;
+use super::sweep::{Reach, Sweep};
 use nalgebra::{Matrix3, Vector3};
 
 /// Longest leash, as a fraction of the sphere's radius; also how far a sphere may move against the body before it is
@@ -19,27 +20,33 @@ const LEASH_PER_WAY: f64 = 1.5;
 /// Shortest leash as a multiple of the root mean square of that way, and of the radius when nothing moves.
 const SHORTEST_LEASH: (f64, f64) = (1.0, 1e-6);
 
-/// The guide and leash of a sphere: one cache line, read with its [`Ball`].
+/// The guide and leash of a sphere: one cache line, read with its [`Ball`] and laid out like it.
 #[derive(Debug, Clone, Copy)]
 #[repr(C, align(64))]
 struct Leash {
-    /// Guide at the start of the step, m.
-    guide: [f64; 3],
-    /// Square of the leash, m².
-    length2: f64,
-    /// Velocity of the guide, m/s.
-    velocity: [f64; 3],
+    /// Guide at the start of the step, m, and square of the leash, m².
+    guide: [f64; 4],
+    /// Velocity of the guide, m/s, and nothing.
+    course: [f64; 4],
 }
 
-/// A sphere as the pair search sees it.
-#[derive(Debug, Clone, Copy)]
-struct Reach {
-    /// Present centre, m.
-    centre: [f64; 3],
-    /// Two spheres further apart than the sum of these cannot meet, m.
-    reach: f64,
-    /// Part of the reach that is its own course, m; zero if the guide turns with the body.
-    course: f64,
+impl Leash {
+    fn new(guide: Vector3<f64>, velocity: Vector3<f64>, length: f64) -> Self {
+        Self { guide: [guide.x, guide.y, guide.z, length * length], course: [velocity.x, velocity.y, velocity.z, 0.0] }
+    }
+
+    fn length2(&self) -> f64 {
+        self.guide[3]
+    }
+
+    /// Offset of a sphere from its guide at time `t` (s of the step), m, and their relative velocity, m/s.
+    #[inline(always)]
+    fn offset(&self, ball: &Ball, t: f64) -> (Vector3<f64>, Vector3<f64>) {
+        // All four lanes although the last one means nothing: that is one vector.
+        let u: [f64; 4] = std::array::from_fn(|k| ball.course[k] - self.course[k]);
+        let d: [f64; 4] = std::array::from_fn(|k| (ball.place[k] - self.guide[k]) + u[k] * t);
+        (Vector3::new(d[0], d[1], d[2]), Vector3::new(u[0], u[1], u[2]))
+    }
 }
 
 /// Neighbours of every sphere that it could meet.
@@ -50,9 +57,11 @@ pub(super) struct Neighbours {
     /// Neighbours; filled up with the index one past the last sphere.
     rows: Vec<u32>,
     leashes: Vec<Leash>,
+    /// Radius, leash and own course together: two spheres further apart than the sum of these cannot meet.
     reaches: Vec<Reach>,
-    /// Lower end and index of every sphere's extent along the axis of the search, ascending.
-    order: Vec<(f64, u32)>,
+    /// How far the guide goes against the body in the time that is left, m; zero if it turns with the body.
+    courses: Vec<f64>,
+    sweep: Sweep,
     pairs: Vec<(u32, u32)>,
 }
 
@@ -75,7 +84,7 @@ impl RigidMotion {
         let mut values = Vec::with_capacity(balls.len());
         let middle = Vector3::from_fn(|k, _| {
             values.clear();
-            values.extend(balls.iter().map(|b| b.position[k]));
+            values.extend(balls.iter().map(|b| b.place[k]));
             median(&mut values)
         });
         values.clear();
@@ -83,16 +92,16 @@ impl RigidMotion {
         // Half of a homogeneous ball lies within 0.79 of its radius, half of a 3:1 ellipsoid within a third of its length.
         let far = 10.0 * median(&mut values);
         let bulk = || balls.iter().filter(|b| (b.origin() - middle).norm_squared() <= far);
-        let mass: f64 = bulk().map(|b| b.mass).sum();
-        let centre = bulk().map(|b| b.origin() * b.mass).sum::<Vector3<f64>>() / mass;
-        let velocity = bulk().map(|b| b.velocity() * b.mass).sum::<Vector3<f64>>() / mass;
+        let mass: f64 = bulk().map(|b| b.mass()).sum();
+        let centre = bulk().map(|b| b.origin() * b.mass()).sum::<Vector3<f64>>() / mass;
+        let velocity = bulk().map(|b| b.velocity() * b.mass()).sum::<Vector3<f64>>() / mass;
         let mut spin = Vector3::zeros();
         let mut inertia = Matrix3::zeros();
         for b in bulk() {
             let d = b.origin() - centre;
-            spin += d.cross(&(b.velocity() - velocity)) * b.mass;
-            let own = 0.4 * b.radius * b.radius;
-            inertia += (Matrix3::identity() * (own + d.norm_squared()) - d * d.transpose()) * b.mass;
+            spin += d.cross(&(b.velocity() - velocity)) * b.mass();
+            let own = 0.4 * b.radius() * b.radius();
+            inertia += (Matrix3::identity() * (own + d.norm_squared()) - d * d.transpose()) * b.mass();
         }
         let omega = inertia.try_inverse().map_or(Vector3::zeros(), |inverse| inverse * spin);
         Self { centre, velocity, omega }
@@ -116,20 +125,21 @@ impl Neighbours {
         &self.pairs
     }
 
-    /// When sphere `i`, flying straight on from `now`, leaves its leash if that is before `until`; times are s of the step.
-    #[inline]
-    pub fn leaves(&self, i: usize, ball: &Ball, now: f64, until: f64) -> Option<f64> {
+    /// Whether sphere `i`, flying straight on, is still on its leash at time `until` (s of the step). As it is on it now, it
+    /// is all the while.
+    #[inline(always)]
+    pub fn keeps(&self, i: usize, ball: &Ball, until: f64) -> bool {
         let leash = &self.leashes[i];
-        let u = ball.velocity() - Vector3::from(leash.velocity);
-        let offset = ball.origin() - Vector3::from(leash.guide);
-        // It is on the leash now and flies straight: it stays if it is on the leash at the end.
-        if (offset + u * until).norm_squared() <= leash.length2 {
-            return None;
-        }
-        let d = offset + u * now;
-        let (b, u2, c) = (d.dot(&u), u.norm_squared(), d.norm_squared() - leash.length2);
+        leash.offset(ball, until).0.norm_squared() <= leash.length2()
+    }
+
+    /// When sphere `i`, flying straight on from `now`, comes to the end of its leash, s of the step.
+    pub fn leash_end(&self, i: usize, ball: &Ball, now: f64) -> f64 {
+        let leash = &self.leashes[i];
+        let (d, u) = leash.offset(ball, now);
+        let (b, u2, c) = (d.dot(&u), u.norm_squared(), d.norm_squared() - leash.length2());
         let delay = if c < 0.0 { -c / (b + (b * b - u2 * c).sqrt()) } else { 0.0 };
-        Some(now + delay)
+        now + delay
     }
 
     /// Makes the lists anew at time `now` of a step that ends at `end` (s); `balls` ends with [`Ball::NOWHERE`].
@@ -145,19 +155,15 @@ impl Neighbours {
         let count = balls.len() - 1;
         self.leashes.clear();
         self.reaches.clear();
+        self.courses.clear();
+        self.courses.resize(count, 0.0);
         for ball in &balls[..count] {
-            let length = leash * ball.radius;
-            self.leashes.push(Leash { guide: ball.position, length2: length * length, velocity: [0.0; 3] });
-            self.reaches.push(Reach { centre: ball.position, reach: ball.radius + length, course: 0.0 });
+            let length = leash * ball.radius();
+            self.leashes.push(Leash::new(ball.origin(), Vector3::zeros(), length));
+            self.reaches.push(Reach { centre: ball.origin().into(), reach: ball.radius() + length });
         }
         self.find_pairs(0.0);
         self.fill_rows(count);
-    }
-
-    /// Whether sphere `i`, moved by hand, is too far from where it was.
-    pub fn is_off_leash(&self, i: usize, ball: &Ball) -> bool {
-        let leash = &self.leashes[i];
-        (ball.origin() - Vector3::from(leash.guide)).norm_squared() > leash.length2
     }
 
     fn set_leashes(&mut self, balls: &[Ball], motion: &RigidMotion, now: f64, end: f64) {
@@ -167,62 +173,43 @@ impl Neighbours {
         let usual = (square / balls.len() as f64).sqrt();
         self.leashes.clear();
         self.reaches.clear();
+        self.courses.clear();
         for ball in balls {
             let centre = ball.position_at(now);
             let way = against(ball);
-            let longest = LONGEST_LEASH * ball.radius;
+            let longest = LONGEST_LEASH * ball.radius();
             let own_course = way > longest;
-            let shortest = (SHORTEST_LEASH.0 * usual).max(SHORTEST_LEASH.1 * ball.radius);
+            let shortest = (SHORTEST_LEASH.0 * usual).max(SHORTEST_LEASH.1 * ball.radius());
             let length = if own_course { longest } else { (LEASH_PER_WAY * way).max(shortest).min(longest) };
             let velocity = if own_course { ball.velocity() } else { motion.at(centre) };
-            let guide = (centre - velocity * now).into();
-            self.leashes.push(Leash { guide, length2: length * length, velocity: velocity.into() });
+            self.leashes.push(Leash::new(centre - velocity * now, velocity, length));
             let course = if own_course { way } else { 0.0 };
             // Round-off of the guide must not lose a pair: a margin of 1e-9 of the radius is far above it.
-            let reach = ball.radius * (1.0 + 1e-9) + length + course;
-            self.reaches.push(Reach { centre: centre.into(), reach, course });
+            let reach = ball.radius() * (1.0 + 1e-9) + length + course;
+            self.reaches.push(Reach { centre: centre.into(), reach });
+            self.courses.push(course);
         }
     }
 
-    /// Sweeps along the axis on which the spheres spread most: needs no grid, so neither a sphere far away nor very
-    /// different radii cost more than their share.
     fn find_pairs(&mut self, left: f64) {
-        let extent = |k: usize| {
-            let ends = self.reaches.iter().map(|r| r.centre[k]);
-            ends.clone().fold(f64::NEG_INFINITY, f64::max) - ends.fold(f64::INFINITY, f64::min)
-        };
-        let axis = (1..3).fold(0, |best, k| if extent(k) > extent(best) { k } else { best });
-        self.order.clear();
-        self.order.extend(self.reaches.iter().zip(0..).map(|(r, i)| (r.centre[axis] - r.reach, i)));
-        self.order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        self.pairs.clear();
-        for (k, &(_, i)) in self.order.iter().enumerate() {
-            let one = self.reaches[i as usize];
-            let upper = one.centre[axis] + one.reach;
-            for &(lower, j) in &self.order[k + 1..] {
-                if lower > upper {
-                    break;
-                }
-                let two = &self.reaches[j as usize];
-                let r: [f64; 3] = std::array::from_fn(|k| two.centre[k] - one.centre[k]);
-                let limit = one.reach + two.reach;
-                if r[0] * r[0] + r[1] * r[1] + r[2] * r[2] > limit * limit {
-                    continue;
-                }
-                let limit = limit - one.course - two.course;
-                if one.course + two.course == 0.0 || self.guides_approach(i, j, r.into(), limit, left) {
-                    self.pairs.push((i, j));
-                }
+        let Self { leashes, reaches, courses, sweep, pairs, .. } = self;
+        pairs.clear();
+        sweep.visit_pairs(reaches, |i, j| {
+            let [one, two] = [i as usize, j as usize];
+            let courses = courses[one] + courses[two];
+            if courses == 0.0 {
+                pairs.push((i, j));
+                return;
             }
-        }
-    }
-
-    /// Whether the guides of `i` and `j`, now `r` apart, come closer than `limit` in the time that is left.
-    fn guides_approach(&self, i: u32, j: u32, r: Vector3<f64>, limit: f64, left: f64) -> bool {
-        let velocity = |k: u32| Vector3::from(self.leashes[k as usize].velocity);
-        let v = velocity(j) - velocity(i);
-        let closest = (-r.dot(&v) / v.norm_squared()).max(0.0).min(left);
-        (r + v * closest).norm_squared() <= limit * limit
+            // How close the guides come, from where the spheres are now.
+            let r: Vector3<f64> = Vector3::from(reaches[two].centre) - Vector3::from(reaches[one].centre);
+            let v = Vector3::from_fn(|k, _| leashes[two].course[k] - leashes[one].course[k]);
+            let closest = (-r.dot(&v) / v.norm_squared()).max(0.0).min(left);
+            let limit = reaches[one].reach + reaches[two].reach - courses;
+            if (r + v * closest).norm_squared() <= limit * limit {
+                pairs.push((i, j));
+            }
+        });
     }
 
     fn fill_rows(&mut self, count: usize) {

@@ -6,6 +6,7 @@
 //! operations in the same order without fused multiply-add, so that both give the same bytes.
 
 use super::ball::Ball;
+use nalgebra::Vector3;
 
 /// No sphere.
 pub(super) const NONE: u32 = u32::MAX;
@@ -22,21 +23,28 @@ pub(super) struct Meeting {
     pub partner: u32,
 }
 
-/// The earliest meeting from `now` (s of the step) on of sphere `i` with a neighbour of `row`, which is a multiple of [`LANES`]
-/// long; the neighbour `skipped` is left out.
-///
-/// # Safety
-/// `i` and every entry of `row` must be indices of `balls`, and the processor must have what the function asks for.
-pub(super) type Predict = unsafe fn(balls: &[Ball], i: usize, row: &[u32], now: f64, skipped: u32) -> Meeting;
+/// A way to look for the first meeting of a sphere.
+pub(super) trait Predict {
+    /// The earliest meeting from `now` (s of the step) on of sphere `i` with a neighbour of `row`, which is a multiple of
+    /// [`LANES`] long.
+    ///
+    /// # Safety
+    /// `i` and every entry of `row` must be indices of `balls`, and the processor must have what the implementation needs.
+    unsafe fn first_meeting(balls: &[Ball], i: usize, row: &[u32], now: f64) -> Meeting;
 
-/// The fastest predictor of this processor.
-pub(super) fn predictor() -> Predict {
-    #[cfg(target_arch = "x86_64")]
-    if std::arch::is_x86_feature_detected!("avx2") {
-        return avx2;
-    }
-    scalar
+    /// [`Ball::deflect`], leaving the ball as [`Self::first_meeting`] is going to read it.
+    ///
+    /// # Safety
+    /// The processor must have what the implementation needs.
+    unsafe fn deflect(ball: &mut Ball, change: Vector3<f64>, t: f64);
 }
+
+/// [`Predict`] for any processor, and the oracle of the others.
+pub(super) struct Scalar;
+
+/// [`Predict`] with AVX2, four neighbours at a time.
+#[cfg(target_arch = "x86_64")]
+pub(super) struct Avx2;
 
 /// Time from now, s, until two spheres meet that are `r` apart (m), move at `v` relative to each other (m/s) and have radii that
 /// add up to `s` (m); infinite when they do not.
@@ -49,31 +57,74 @@ pub(super) fn delay(r: [f64; 3], v: [f64; 3], s: f64) -> f64 {
     if b < 0.0 && disc >= 0.0 { (c / (disc.sqrt() - b)).max(0.0) } else { f64::INFINITY }
 }
 
-/// [`Predict`] for any processor, and the oracle of the others.
-fn scalar(balls: &[Ball], i: usize, row: &[u32], now: f64, skipped: u32) -> Meeting {
-    // One earliest meeting a lane and a choice among lanes at the end, as the vectors have it: ties fall the same way.
-    let mut lanes = [Meeting { delay: f64::INFINITY, partner: NONE }; LANES];
-    let one = &balls[i];
-    for (k, &j) in row.iter().enumerate() {
-        let two = &balls[j as usize];
-        let v = std::array::from_fn(|a| one.velocity[a] - two.velocity[a]);
-        let r = std::array::from_fn(|a| (one.position[a] - two.position[a]) + v[a] * now);
-        let delay = delay(r, v, one.radius + two.radius);
-        let lane = &mut lanes[k % LANES];
-        if delay < lane.delay && j != skipped {
-            *lane = Meeting { delay, partner: j };
+/// The same leaving out one neighbour: seldom needed, so without vectors.
+#[cold]
+pub(super) fn first_meeting_but(skipped: u32, balls: &[Ball], i: usize, row: &[u32], now: f64) -> Meeting {
+    let mut first = Meeting { delay: f64::INFINITY, partner: NONE };
+    for &j in row {
+        let delay = delay_between(&balls[i], &balls[j as usize], now);
+        if j != skipped && delay < first.delay {
+            first = Meeting { delay, partner: j };
         }
     }
-    lanes.into_iter().reduce(|best, lane| if lane.delay < best.delay { lane } else { best }).expect("LANES is not 0")
+    first
 }
 
-/// [`Predict`] with four neighbours at a time.
+#[inline(always)]
+fn delay_between(one: &Ball, two: &Ball, now: f64) -> f64 {
+    let v: [f64; 3] = std::array::from_fn(|a| one.course[a] - two.course[a]);
+    let r = std::array::from_fn(|a| (one.place[a] - two.place[a]) + v[a] * now);
+    delay(r, v, one.radius() + two.radius())
+}
+
+impl Predict for Scalar {
+    #[inline(always)]
+    unsafe fn first_meeting(balls: &[Ball], i: usize, row: &[u32], now: f64) -> Meeting {
+        // One earliest meeting a lane and a choice among lanes at the end, as the vectors have it: ties fall the same way.
+        let mut lanes = [Meeting { delay: f64::INFINITY, partner: NONE }; LANES];
+        for four in row.chunks_exact(LANES) {
+            for (lane, &j) in lanes.iter_mut().zip(four) {
+                let delay = delay_between(&balls[i], &balls[j as usize], now);
+                if delay < lane.delay {
+                    *lane = Meeting { delay, partner: j };
+                }
+            }
+        }
+        lanes
+            .into_iter()
+            .reduce(|best, lane| if lane.delay < best.delay { lane } else { best })
+            .expect("LANES is not 0")
+    }
+
+    #[inline(always)]
+    unsafe fn deflect(ball: &mut Ball, change: Vector3<f64>, t: f64) {
+        ball.deflect(change, t);
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+impl Predict for Avx2 {
+    #[inline(always)]
+    unsafe fn first_meeting(balls: &[Ball], i: usize, row: &[u32], now: f64) -> Meeting {
+        // SAFETY: the caller vouches for the same.
+        unsafe { first_meeting_avx2(balls, i, row, now) }
+    }
+
+    #[inline(always)]
+    unsafe fn deflect(ball: &mut Ball, change: Vector3<f64>, t: f64) {
+        // SAFETY: the caller vouches for the same.
+        unsafe { deflect_avx2(ball, change, t) }
+    }
+}
+
+/// [`Predict::first_meeting`] of [`Avx2`]: a function of its own, because only such can ask for vectors.
 ///
 /// # Safety
-/// As [`Predict`]; the processor must have AVX2.
+/// As there; the processor must have AVX2.
 #[cfg(target_arch = "x86_64")]
+#[inline]
 #[target_feature(enable = "avx2")]
-unsafe fn avx2(balls: &[Ball], i: usize, row: &[u32], now: f64, skipped: u32) -> Meeting {
+unsafe fn first_meeting_avx2(balls: &[Ball], i: usize, row: &[u32], now: f64) -> Meeting {
     use std::arch::x86_64::*;
     debug_assert!(
         i < balls.len() && row.iter().all(|&j| (j as usize) < balls.len()) && row.len().is_multiple_of(LANES)
@@ -85,10 +136,8 @@ unsafe fn avx2(balls: &[Ball], i: usize, row: &[u32], now: f64, skipped: u32) ->
         let spread = |value: f64| _mm256_set1_pd(value);
         let zero = _mm256_setzero_pd();
         let now = spread(now);
-        let skipped = _mm_set1_epi32(skipped.cast_signed());
-        let [x, y, z] = one.position.map(spread);
-        let [vx, vy, vz] = one.velocity.map(spread);
-        let radius = spread(one.radius);
+        let [x, y, z, radius] = one.place.map(spread);
+        let [vx, vy, vz, _] = one.course.map(spread);
         let mut best = spread(f64::INFINITY);
         let mut partner = _mm256_set1_epi64x(i64::from(NONE));
         for four in row.chunks_exact(LANES) {
@@ -115,18 +164,35 @@ unsafe fn avx2(balls: &[Ball], i: usize, row: &[u32], now: f64, skipped: u32) ->
             let disc = _mm256_sub_pd(_mm256_mul_pd(b, b), _mm256_mul_pd(v2, c));
             let meets = _mm256_and_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(b, zero), _mm256_cmp_pd::<_CMP_GE_OQ>(disc, zero));
             let delay = _mm256_max_pd(_mm256_div_pd(c, _mm256_sub_pd(_mm256_sqrt_pd(disc), b)), zero);
-            let j = _mm_loadu_si128(four.as_ptr().cast());
-            let same = _mm256_castsi256_pd(_mm256_cvtepi32_epi64(_mm_cmpeq_epi32(j, skipped)));
-            let earlier = _mm256_and_pd(_mm256_andnot_pd(same, meets), _mm256_cmp_pd::<_CMP_LT_OQ>(delay, best));
+            let earlier = _mm256_and_pd(meets, _mm256_cmp_pd::<_CMP_LT_OQ>(delay, best));
             best = _mm256_blendv_pd(best, delay, earlier);
-            partner = _mm256_blendv_epi8(partner, _mm256_cvtepu32_epi64(j), _mm256_castpd_si256(earlier));
+            let j = _mm256_cvtepu32_epi64(_mm_loadu_si128(four.as_ptr().cast()));
+            partner = _mm256_blendv_epi8(partner, j, _mm256_castpd_si256(earlier));
         }
         let halves = _mm256_min_pd(best, _mm256_permute4x64_pd::<0b01_00_11_10>(best));
         let least = _mm256_min_pd(halves, _mm256_permute_pd::<0b0101>(halves));
         let lane = _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_EQ_OQ>(best, least)).trailing_zeros() as usize;
         let mut partners = [0_u64; LANES];
         _mm256_storeu_si256(partners.as_mut_ptr().cast(), partner);
-        Meeting { delay: _mm256_cvtsd_f64(least), partner: partners[lane] as u32 }
+        Meeting { delay: _mm256_cvtsd_f64(least), partner: partners[lane % LANES] as u32 }
+    }
+}
+
+/// [`Predict::deflect`] of [`Avx2`]. Two whole vectors are written, because the next prediction reads parts of them: a load that
+/// needs the results of several stores waits until they have reached the cache.
+#[cfg(target_arch = "x86_64")]
+#[inline]
+#[target_feature(enable = "avx2")]
+fn deflect_avx2(ball: &mut Ball, change: Vector3<f64>, t: f64) {
+    use std::arch::x86_64::*;
+    let change = _mm256_setr_pd(change.x, change.y, change.z, 0.0);
+    // SAFETY: both arrays are one vector long.
+    unsafe {
+        let shift = _mm256_mul_pd(change, _mm256_set1_pd(t));
+        let place = _mm256_sub_pd(_mm256_loadu_pd(ball.place.as_ptr()), shift);
+        let course = _mm256_add_pd(_mm256_loadu_pd(ball.course.as_ptr()), change);
+        _mm256_storeu_pd(ball.place.as_mut_ptr(), place);
+        _mm256_storeu_pd(ball.course.as_mut_ptr(), course);
     }
 }
 
@@ -163,25 +229,30 @@ mod tests {
         assert!((found / gap - 1.0).abs() < 2.0 * f64::EPSILON / gap, "{found} {gap}");
     }
 
+    #[cfg(target_arch = "x86_64")]
     proptest! {
         #[test]
         fn prop_vectors_and_scalars_agree_to_the_last_bit(
             places in prop::collection::vec(((-4.0..4.0, -4.0..4.0, -4.0..4.0), (-1.0..1.0, -1.0..1.0, -1.0..1.0)), 13),
-            now in 0.0f64..2.0, skipped in 0u32..13, equal in any::<bool>(),
+            now in 0.0f64..2.0, equal in any::<bool>(),
         ) {
             let mut balls: Vec<Ball> = places
                 .into_iter()
                 .map(|((x, y, z), (u, v, w)): ((f64, f64, f64), (f64, f64, f64))| {
                     // Half of the cases on a coarse grid, where times tie.
                     let place = |a: f64| if equal { a.round() } else { a };
-                    Ball { position: [x, y, z].map(place), radius: 0.7, velocity: [u, v, w].map(place), mass: 1.0 }
+                    Ball::new([x, y, z].map(place), 0.7, [u, v, w].map(place), 1.0)
                 })
                 .collect();
             balls.push(Ball::NOWHERE);
             let row: Vec<u32> = (1..=13).chain([13; 3]).collect();
             for (i, row) in [(0, &row[..]), (0, &row[..8]), (0, &[])] {
-                let found = unsafe { predictor()(&balls, i, row, now, skipped) };
-                prop_assert_eq!(found, scalar(&balls, i, row, now, skipped));
+                // SAFETY: rows are within the balls, and the processor was asked.
+                let (found, expected) = unsafe {
+                    prop_assume!(is_x86_feature_detected!("avx2"));
+                    (Avx2::first_meeting(&balls, i, row, now), Scalar::first_meeting(&balls, i, row, now))
+                };
+                prop_assert_eq!(found, expected);
             }
         }
     }

@@ -54,8 +54,8 @@ pub fn repair_overlaps(spheres: &mut Spheres, parameters: &HardSphereParameters)
     }
     report.angular_momentum_change = momentum.into();
     for (i, (ball, spin)) in work.balls.iter().zip(&work.spins).enumerate() {
-        [spheres.x[i], spheres.y[i], spheres.z[i]] = ball.position;
-        [spheres.vx[i], spheres.vy[i], spheres.vz[i]] = ball.velocity;
+        [spheres.x[i], spheres.y[i], spheres.z[i], _] = ball.place;
+        [spheres.vx[i], spheres.vy[i], spheres.vz[i], _] = ball.course;
         [spheres.wx[i], spheres.wy[i], spheres.wz[i]] = (*spin).into();
     }
     Ok(report)
@@ -67,13 +67,13 @@ struct Repair {
     balls: Vec<Ball>,
     spins: Vec<Vector3<f64>>,
     neighbours: Neighbours,
-    /// Each sphere's deepest overlap, negative so that the deepest comes first; infinite when there is none.
+    /// One over each sphere's deepest overlap, so that the deepest comes first; infinite when there is none.
     deepest: Tournament,
 }
 
 impl Repair {
     fn new(spheres: &Spheres) -> Self {
-        let mut balls: Vec<Ball> = (0..spheres.len()).map(|i| Ball::new(spheres, i)).collect();
+        let mut balls: Vec<Ball> = (0..spheres.len()).map(|i| Ball::of(spheres, i)).collect();
         balls.push(Ball::NOWHERE);
         let spins = (0..spheres.len()).map(|i| spheres.spin(i).into()).collect();
         let mut work = Self { balls, spins, neighbours: Neighbours::default(), deepest: Tournament::default() };
@@ -83,20 +83,20 @@ impl Repair {
 
     fn look_around(&mut self) {
         self.neighbours.rebuild_at_rest(&self.balls, LEASH);
-        let overlaps: Vec<f64> = (0..self.spins.len()).map(|i| self.overlap(i).0).collect();
-        self.deepest.reset(overlaps.iter().map(|fraction| -fraction));
+        let keys: Vec<f64> = (0..self.spins.len()).map(|i| self.overlap(i).0.recip()).collect();
+        self.deepest.reset(keys.into_iter());
     }
 
-    /// Deepest overlap of sphere `i` as a fraction, with its partner; negatively infinite when there is none to repair.
+    /// Deepest overlap of sphere `i` as a fraction, with its partner; zero when there is none to repair.
     fn overlap(&self, i: usize) -> (f64, usize) {
         let one = &self.balls[i];
-        let mut deepest = (f64::NEG_INFINITY, i);
+        let mut deepest = (0.0_f64, i);
         for &j in self.neighbours.of(i) {
             let two = &self.balls[j as usize];
-            let touch = one.radius + two.radius;
+            let touch = one.radius() + two.radius();
             let r2 = (two.origin() - one.origin()).norm_squared();
             if r2 < touch * touch {
-                let fraction = (touch - r2.sqrt()) / one.radius.min(two.radius);
+                let fraction = (touch - r2.sqrt()) / one.radius().min(two.radius());
                 if fraction > deepest.0.max(MINIMUM) {
                     deepest = (fraction, j as usize);
                 }
@@ -107,9 +107,9 @@ impl Repair {
 
     /// The pair that overlaps most, with its fraction.
     fn worst(&self) -> Option<(usize, usize, f64)> {
-        let first = self.deepest.first();
-        let i = first.index as usize;
-        (first.key < f64::INFINITY).then(|| (i, self.overlap(i).1, -first.key))
+        let (i, key) = self.deepest.first();
+        let (fraction, j) = self.overlap(i);
+        (key < f64::INFINITY).then_some((i, j, fraction))
     }
 
     /// Separates one pair; returns the change of angular momentum.
@@ -118,11 +118,11 @@ impl Repair {
         let r = two.origin() - one.origin();
         // Two centres in one place have no line: any direction will do, but always the same.
         let normal = r.try_normalize(0.0).unwrap_or_else(Vector3::x);
-        let gap = one.radius + two.radius - r.norm();
-        let share = gap / (one.mass + two.mass);
-        self.balls[i].position = (one.origin() - normal * (share * two.mass)).into();
-        self.balls[j].position = (two.origin() + normal * (share * one.mass)).into();
-        let moved = (two.velocity() - one.velocity()) * (share * one.mass * two.mass);
+        let gap = one.radius() + two.radius() - r.norm();
+        let share = gap / (one.mass() + two.mass());
+        self.balls[i].shift(normal * -(share * two.mass()));
+        self.balls[j].shift(normal * (share * one.mass()));
+        let moved = (two.velocity() - one.velocity()) * (share * one.mass() * two.mass());
         let spins = [self.spins[i], self.spins[j]];
         if let Some(change) = impact::<true>([&one, &two], spins, normal, restitution) {
             self.balls[i].deflect(change.velocity[0], 0.0);
@@ -130,7 +130,7 @@ impl Repair {
             self.spins[i] += change.spin[0];
             self.spins[j] += change.spin[1];
         }
-        if [i, j].into_iter().any(|k| self.neighbours.is_off_leash(k, &self.balls[k])) {
+        if [i, j].into_iter().any(|k| !self.neighbours.keeps(k, &self.balls[k], 0.0)) {
             self.look_around();
         } else {
             self.compare_again(i);
@@ -141,11 +141,11 @@ impl Repair {
 
     /// Looks at sphere `i`, which has moved, and at its neighbours again.
     fn compare_again(&mut self, i: usize) {
-        self.deepest.set(i, -self.overlap(i).0);
+        self.deepest.set(i, self.overlap(i).0.recip());
         for at in 0..self.neighbours.of(i).len() {
             let j = self.neighbours.of(i)[at] as usize;
             if j < self.spins.len() {
-                self.deepest.set(j, -self.overlap(j).0);
+                self.deepest.set(j, self.overlap(j).0.recip());
             }
         }
     }

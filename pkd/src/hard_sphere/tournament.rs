@@ -3,60 +3,69 @@
 //! Every sphere owns one leaf, so changing its event replays `log2 N` matches and nothing is ever inserted, deleted or
 //! left behind. Equal times are won by the smaller index: the order of events is a function of their times alone.
 
-/// A leaf's key and owner, or the winner of a match.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Entry {
-    /// The time of the event, s, or any key of which the smallest wins; infinite when there is none.
-    pub key: f64,
-    /// The leaf it belongs to.
-    pub index: u32,
+/// A leaf and its key, as one number: positive floats sort like their bits, and equal ones by the leaf below them.
+type Ticket = u128;
+
+fn ticket(key: f64, leaf: usize) -> Ticket {
+    debug_assert!(key >= 0.0, "keys are positive");
+    Ticket::from(key.to_bits()) << 64 | leaf as Ticket
 }
 
-impl Entry {
-    /// The winner of two; neither key may be NaN.
-    fn winner(self, other: Self) -> Self {
-        let other_wins = other.key < self.key || (other.key == self.key && other.index < self.index);
-        if other_wins { other } else { self }
-    }
-}
-
-/// Smallest of `N` keys, updated in `O(log N)`.
+/// Smallest of `N` keys that are zero, positive or infinite, updated in `O(log N)`.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Tournament {
-    /// A complete tree: node `p` has the children `2p` and `2p + 1`, leaf `i` is node `leaves + i`.
-    nodes: Vec<Entry>,
-    leaves: usize,
+    /// A power of two, filled up with infinity.
+    keys: Vec<f64>,
+    /// Leaf that wins below a node; node `p` has the children `2p` and `2p + 1`, and `keys.len() + i` stands for leaf `i`.
+    winners: Vec<u32>,
 }
 
 impl Tournament {
     /// Starts again with these keys, one per leaf.
     pub fn reset(&mut self, keys: impl ExactSizeIterator<Item = f64>) {
-        self.leaves = keys.len().next_power_of_two().max(2);
-        self.nodes.clear();
-        self.nodes.resize(self.leaves, Entry { key: f64::INFINITY, index: u32::MAX });
-        self.nodes.extend(keys.zip(0..).map(|(key, index)| Entry { key, index }));
-        self.nodes.resize(2 * self.leaves, Entry { key: f64::INFINITY, index: u32::MAX });
-        for p in (1..self.leaves).rev() {
-            self.nodes[p] = self.nodes[2 * p].winner(self.nodes[2 * p + 1]);
+        let leaves = keys.len().next_power_of_two().max(2);
+        self.keys.clear();
+        self.keys.extend(keys);
+        self.keys.resize(leaves, f64::INFINITY);
+        self.winners.clear();
+        self.winners.resize(leaves, 0);
+        self.winners.extend(0..leaves as u32);
+        for p in (1..leaves).rev() {
+            self.winners[p] = self.at(2 * p).min(self.at(2 * p + 1)) as u32;
         }
     }
 
-    /// The leaf with the smallest key.
-    #[inline]
-    pub fn first(&self) -> Entry {
-        self.nodes[1]
+    /// The winner below node `p`.
+    #[inline(always)]
+    fn at(&self, p: usize) -> Ticket {
+        let leaf = self.winners[p] as usize;
+        ticket(self.keys[leaf], leaf)
     }
 
-    /// Gives leaf `index` another key.
-    #[inline]
-    pub fn set(&mut self, index: usize, key: f64) {
-        let mut p = self.leaves + index;
-        let mut winner = Entry { key, index: index as u32 };
-        self.nodes[p] = winner;
+    /// The leaf with the smallest key, and the key.
+    #[inline(always)]
+    pub fn first(&self) -> (usize, f64) {
+        let leaf = self.winners[1] as usize;
+        (leaf, self.keys[leaf])
+    }
+
+    /// Gives leaf `i` another key.
+    #[inline(always)]
+    pub fn set(&mut self, i: usize, key: f64) {
+        self.keys[i] = key;
+        let mut p = self.keys.len() + i;
+        let mut winner = ticket(key, i);
+        // The opponents are known in advance and the matches have no branches: nothing here waits but for the last winner.
         while p > 1 {
-            winner = winner.winner(self.nodes[p ^ 1]);
+            // SAFETY: there are 2 keys.len() nodes, of which p is one, so p ^ 1 is one too; every winner is a leaf.
+            let opponent = unsafe {
+                let leaf = *self.winners.get_unchecked(p ^ 1) as usize;
+                ticket(*self.keys.get_unchecked(leaf), leaf)
+            };
+            winner = winner.min(opponent);
             p >>= 1;
-            self.nodes[p] = winner;
+            // SAFETY: as above.
+            unsafe { *self.winners.get_unchecked_mut(p) = winner as u32 };
         }
     }
 }
@@ -80,8 +89,8 @@ mod tests {
                 keys[i] = f64::from(key);
                 tree.set(i, keys[i]);
                 let smallest = keys.iter().copied().fold(f64::INFINITY, f64::min);
-                let index = keys.iter().position(|k| *k == smallest).unwrap() as u32;
-                prop_assert_eq!(tree.first(), Entry { key: smallest, index });
+                let leaf = keys.iter().position(|k| *k == smallest).unwrap();
+                prop_assert_eq!(tree.first(), (leaf, smallest));
             }
         }
     }
