@@ -15,7 +15,7 @@ use pkd::hard_sphere::{HardSphere, HardSphereParameters};
 use pkd::mass_properties::mass_properties;
 
 use super::body::{Bench, PERIOD_S};
-use super::{About, AccuracyError, Effort, Knob, Point};
+use super::{About, AccuracyError, Effort, Knob, Point, half_range};
 
 /// Rotations that a body is given to forget the step it was settled with.
 const WARM_UP: f64 = 0.5;
@@ -53,10 +53,9 @@ impl Knob for HardSphereStep {
                 .map(|copy| restlessness(&perturbed(&body, copy), step_s, rotations))
                 .collect::<Result<_, _>>()?;
             let seconds = clock.elapsed().as_secs_f64() / f64::from(copies);
-            let (low, high) = errors.iter().fold((f64::INFINITY, 0.0_f64), |(l, h), e| (l.min(*e), h.max(*e)));
             let error = errors.iter().sum::<f64>() / f64::from(copies);
             bench.say(&format!("hard_sphere_step {step_s} s: error {error:.2e} in {seconds:.2} s"));
-            points.push(Point { value: step_s, error, spread: Some(0.5 * (high - low)), seconds });
+            points.push(Point { value: step_s, error, spread: Some(half_range(&errors)), seconds });
         }
         Ok(points)
     }

@@ -62,7 +62,7 @@ pub struct Point {
     pub value: f64,
     /// Its error as [`About::error_is`] defines it, dimensionless.
     pub error: f64,
-    /// Half the range of the error over perturbed copies; `None` where nothing is chaotic.
+    /// Half the range of the error over copies that differ by nothing that should matter; `None` if there are none.
     pub spread: Option<f64>,
     /// CPU seconds.
     pub seconds: f64,
@@ -136,6 +136,12 @@ pub fn measure(part: Option<&str>, effort: Effort, progress: &mut dyn FnMut(&str
         curves.push(Curve { about: knob.about(), points: knob.points(&mut bench)? });
     }
     Ok(Accuracy { knobs: curves, effort })
+}
+
+/// Half the difference between the largest and the smallest value.
+fn half_range(values: &[f64]) -> f64 {
+    let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
+    0.5 * (high - low)
 }
 
 #[cfg(test)]
