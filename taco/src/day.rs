@@ -17,20 +17,27 @@ use crate::recoil::RecoilKernel;
 use crate::sky::SkyView;
 use std::f64::consts::{PI, TAU};
 
-/// Declinations, evenly spaced from the south pole to the north pole.
+/// Declinations from the south pole to the north pole, closer to each other near the equator: polar caps go from night
+/// to day within a few degrees of it.
 #[derive(Debug, Clone)]
 pub(crate) struct Declinations {
     pub sin: Vec<f64>,
     pub cos: Vec<f64>,
 }
 
+/// Declinations from the equator to the pole, rad; every other one of them is the grid with half as many intervals.
+pub(crate) fn northern_declinations(nodes: usize) -> Vec<f64> {
+    let intervals = (nodes - 1) as f64;
+    (0..nodes).map(|k| 0.5 * PI * (k as f64 / intervals).powf(GRADING)).collect()
+}
+
 impl Declinations {
     /// `nodes` (odd) from the equator to a pole, both included.
     pub fn new(nodes: usize) -> Self {
-        let quarter = nodes - 1;
-        let northern = |k: usize| direction(k, 4 * quarter);
-        let sin = (0..quarter).rev().map(|k| -northern(k + 1)[1]).chain((0..nodes).map(|k| northern(k)[1])).collect();
-        let cos = (0..quarter).rev().map(|k| northern(k + 1)[0]).chain((0..nodes).map(|k| northern(k)[0])).collect();
+        let mut northern: Vec<_> = northern_declinations(nodes).into_iter().map(f64::sin_cos).collect();
+        northern[nodes - 1] = (1.0, 0.0);
+        let south = northern[1..].iter().rev().map(|(s, c)| (-s, *c));
+        let (sin, cos) = south.chain(northern.iter().copied()).unzip();
         Self { sin, cos }
     }
 
@@ -52,6 +59,10 @@ pub(crate) struct Day<'a, K> {
     polygon: Vec<[f64; 3]>,
     crossings: Vec<Vec<Crossing>>,
 }
+
+/// How declinations crowd towards the equator: spacing 0 to 90 deg as this power. Of 1, 1.25, 1.5 and 2 it is the one with
+/// the smallest errors of the obliquity torque at 25 to 73 nodes on four asteroid shapes.
+const GRADING: f64 = 1.5;
 
 /// Longest piece of the side of a box, rad: a circle of declination may cross a longer arc twice.
 const PIECE: f64 = 0.05;

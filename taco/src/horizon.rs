@@ -69,10 +69,10 @@ impl HorizonMap {
     /// The map at `azimuth_bins` evenly spaced azimuths, from north (the spin axis, +z) over west.
     ///
     /// # Errors
-    /// [`TacoError`] if the mesh is empty or broken, or `azimuth_bins` is not a multiple of 4 in [16, 2880].
+    /// [`TacoError`] if the mesh is empty or broken, or `azimuth_bins` is not a multiple of 8 in [16, 2880].
     pub fn new(mesh: &Mesh, azimuth_bins: usize) -> Result<Self, TacoError> {
-        let ok = azimuth_bins.is_multiple_of(4) && (16..=2880).contains(&azimuth_bins);
-        require(ok, "azimuth_bins", azimuth_bins as f64, "a multiple of 4 in [16, 2880]")?;
+        let ok = azimuth_bins.is_multiple_of(8) && (16..=2880).contains(&azimuth_bins);
+        require(ok, "azimuth_bins", azimuth_bins as f64, "a multiple of 8 in [16, 2880]")?;
         let facets = facets(mesh)?;
         Ok(Self::of(&facets, &Scanner::new(mesh, azimuth_bins)))
     }

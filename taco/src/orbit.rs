@@ -6,9 +6,9 @@ use crate::error::{TacoError, require};
 /// Size and shape of the heliocentric orbit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Orbit {
-    /// Semimajor axis, au, in [0.01, 1000] [1].
+    /// Semimajor axis, au, in [0.01, 1000] (default: 1).
     pub semimajor_axis_au: f64,
-    /// Eccentricity, in [0, 1) [0].
+    /// Eccentricity, in [0, 1) (default: 0).
     pub eccentricity: f64,
 }
 

@@ -8,13 +8,15 @@ use crate::error::{TacoError, require};
 /// between them is integrated by Gauss quadrature to about 1e-7.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sampling {
-    /// Obliquities of the table [every 5 deg, as Cotto-Figueroa et al. 2015].
+    /// Obliquities of the table (default: every 5 deg, as Cotto-Figueroa et al. 2015).
     pub obliquities: Obliquities,
-    /// Azimuths at which a facet's horizon is known, evenly spaced; a multiple of 4 in [16, 2880] [120]. Between them
-    /// the horizon is a great circle. Time and memory of bodies with shadows grow in proportion.
+    /// Azimuths at which a facet's horizon is known, evenly spaced; a multiple of 8 in [16, 2880] (default: 120). Between
+    /// them the horizon is a great circle. On asteroid shapes of 800 to 3200 facets 24, 72, 120 and 240 bins are off by up
+    /// to 3, 0.7, 0.4 and 0.3 % of the peak torque. Time and memory of bodies with shadows grow with it.
     pub azimuth_bins: usize,
     /// Solar declinations from the equator to the pole, both included, at which the rotation is averaged; odd, in
-    /// [5, 1441] [37, every 2.5 deg]. The southern half is computed as well. Time grows in proportion.
+    /// [5, 1441] (default: 37), denser near the equator. The southern half is computed as well. On the same shapes 13, 19,
+    /// 37 and 73 nodes are off by up to 2.8, 1.2, 0.5 and 0.4 % of the peak torque. Time grows with it.
     pub declination_nodes: usize,
 }
 
@@ -69,8 +71,8 @@ impl Sampling {
     pub fn validate(&self) -> Result<(), TacoError> {
         self.obliquities_deg()?;
         let (bins, nodes) = (self.azimuth_bins, self.declination_nodes);
-        let ok = bins.is_multiple_of(4) && (16..=2880).contains(&bins);
-        require(ok, "sampling.azimuth_bins", bins as f64, "a multiple of 4 in [16, 2880]")?;
+        let ok = bins.is_multiple_of(8) && (16..=2880).contains(&bins);
+        require(ok, "sampling.azimuth_bins", bins as f64, "a multiple of 8 in [16, 2880]")?;
         let ok = !nodes.is_multiple_of(2) && (5..=1441).contains(&nodes);
         require(ok, "sampling.declination_nodes", nodes as f64, "an odd number in [5, 1441]")
     }
@@ -96,7 +98,7 @@ mod tests {
             assert!(with(Obliquities::ListDeg(list)).validate().is_err());
         }
         assert_eq!(with(Obliquities::ListDeg(vec![171.64])).validate(), Ok(()));
-        assert!(Sampling { azimuth_bins: 70, ..Sampling::default() }.validate().is_err());
+        assert!(Sampling { azimuth_bins: 36, ..Sampling::default() }.validate().is_err());
         assert!(Sampling { declination_nodes: 36, ..Sampling::default() }.validate().is_err());
     }
 }

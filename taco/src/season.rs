@@ -6,6 +6,7 @@
 //! `T_omega = <tau_z>` and `T_eps = <tau_u sin lambda cos eps / cos dec>`. Only the part of `tau_z` even and of `tau_u`
 //! odd in declination survives, which makes `T_omega` even and `T_eps` odd about 90 deg for a body that stores no heat.
 
+use crate::day::northern_declinations;
 use crate::spline::{Symmetry, weights, weights_on_values};
 use std::f64::consts::FRAC_PI_2;
 
@@ -31,10 +32,9 @@ pub(crate) struct Curve {
 }
 
 impl Season {
-    /// `nodes` declinations from the equator to the pole, spread evenly.
+    /// For `nodes` declinations from the equator to the pole, as [`northern_declinations`] spreads them.
     pub fn new(nodes: usize, obliquities_deg: &[f64]) -> Self {
-        let step = FRAC_PI_2 / (nodes - 1) as f64;
-        let declinations: Vec<f64> = (0..nodes).map(|k| k as f64 * step).collect();
+        let declinations = northern_declinations(nodes);
         let mut spin = vec![0.0; nodes * obliquities_deg.len()];
         let mut obliquity = spin.clone();
         for (e, &degrees) in obliquities_deg.iter().enumerate() {
@@ -45,13 +45,17 @@ impl Season {
             let cos_eps = if degrees == 90.0 { 0.0 } else { sign * folded.cos() };
             let row = e * nodes..(e + 1) * nodes;
             let mut on_curvature = [vec![0.0; nodes], vec![0.0; nodes]];
+            let mut k = 0;
             for l in 0..LONGITUDES {
                 let sin_lambda = (FRAC_PI_2 * (l as f64 + 0.5) / LONGITUDES as f64).sin();
                 let sin_dec = sin_eps * sin_lambda;
                 let cos_dec = ((1.0 - sin_dec) * (1.0 + sin_dec)).sqrt();
-                let position = sin_dec.asin() / step;
-                let k = (position as usize).min(nodes - 2);
-                let basis = weights(step, position - k as f64);
+                let declination = sin_dec.asin();
+                while k < nodes - 2 && declinations[k + 1] <= declination {
+                    k += 1;
+                }
+                let step = declinations[k + 1] - declinations[k];
+                let basis = weights(step, (declination - declinations[k]) / step);
                 let factors = [1.0, sin_lambda * cos_eps / cos_dec].map(|f| f / LONGITUDES as f64);
                 for (c, values) in [&mut spin[row.clone()], &mut obliquity[row.clone()]].into_iter().enumerate() {
                     values[k] += factors[c] * basis[0];
@@ -119,8 +123,9 @@ mod tests {
         let nodes = 37;
         let obliquities = [0.0, 5.0, 30.0, 77.0, 90.0, 103.0, 150.0, 180.0];
         let season = Season::new(nodes, &obliquities);
-        let response: Vec<f64> = (0..2 * nodes - 1)
-            .map(|k| (k as f64 / (nodes - 1) as f64 - 1.0) * FRAC_PI_2)
+        let northern = northern_declinations(nodes);
+        let response: Vec<f64> = (northern[1..].iter().rev().map(|d| -d))
+            .chain(northern.iter().copied())
             .flat_map(|dec| [(2.0 * dec).cos() + dec.sin(), dec.sin() * dec.cos() + dec.cos()])
             .collect();
         let curve = season.curve(&response, 1);

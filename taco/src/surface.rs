@@ -5,14 +5,14 @@ use crate::error::{TacoError, require};
 /// Optical and thermal properties, the same everywhere on the body; no heat is stored.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Surface {
-    /// How sunlight is scattered [Hapke].
+    /// How sunlight is scattered (default: Hapke).
     pub reflectance: Reflectance,
-    /// Infrared emissivity, in (0, 1] [0.9]. Cancels out of the torque as long as no heat is stored: what is absorbed
+    /// Infrared emissivity, in (0, 1] (default: 0.9). Cancels out of the torque as long as no heat is stored: what is absorbed
     /// is emitted at once, at whatever temperature that takes.
     pub emissivity: f64,
-    /// Whether one part of the body shades another [true]. Shadows are those of the facet's centroid.
+    /// Whether one part of the body shades another (default: true). Shadows are those of the facet's centroid.
     pub shadows: bool,
-    /// Whether emitted light that meets another part of the body is taken off the recoil [true].
+    /// Whether emitted light that meets another part of the body is taken off the recoil (default: true).
     pub sky_blockage: bool,
 }
 
@@ -46,14 +46,14 @@ impl Default for Reflectance {
 /// Icarus 59, 41). The defaults are the average S-type of Cotto-Figueroa et al. 2015 (ApJ 803, 25).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hapke {
-    /// Single-scattering albedo w, in [0, 1) [0.23].
+    /// Single-scattering albedo w, in [0, 1) (default: 0.23).
     pub single_scattering_albedo: f64,
-    /// Mean slope angle of the macroscopic roughness, deg, in [0, 60) [20].
+    /// Mean slope angle of the macroscopic roughness, deg, in [0, 60) (default: 20).
     pub roughness_deg: f64,
     /// Asymmetry of the one-term Henyey-Greenstein phase function of the phase angle, in (-1, 1); negative scatters
-    /// back towards the Sun [-0.35].
+    /// back towards the Sun (default: -0.35).
     pub asymmetry: f64,
-    /// Treatment of multiply scattered light [H2002].
+    /// Treatment of multiply scattered light (default: H2002).
     pub multiple_scattering: MultipleScattering,
 }
 
