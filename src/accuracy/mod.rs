@@ -115,24 +115,30 @@ pub fn knobs() -> [&'static dyn Knob; 2] {
     [&hard_sphere_step::HardSphereStep, &facets::Facets]
 }
 
-/// Measures all knobs, or those whose name or part is `part`; `progress` gets a line of text per point.
+/// All knobs, or those whose name or module is `part`.
 ///
 /// # Errors
-/// [`AccuracyError::UnknownPart`], or what the measured module reports.
-pub fn measure(part: Option<&str>, effort: Effort, progress: &mut dyn FnMut(&str)) -> Result<Accuracy, AccuracyError> {
-    let chosen: Vec<_> = knobs()
-        .into_iter()
-        .filter(|knob| part.is_none_or(|p| knob.about().name == p || knob.about().part == p))
-        .collect();
-    if let (Some(name), []) = (part, &chosen[..]) {
+/// [`AccuracyError::UnknownPart`] if there is none.
+pub fn select(part: Option<&str>) -> Result<Vec<&'static dyn Knob>, AccuracyError> {
+    let Some(name) = part else { return Ok(knobs().into()) };
+    let chosen: Vec<_> = knobs().into_iter().filter(|k| [k.about().name, k.about().part].contains(&name)).collect();
+    if chosen.is_empty() {
         let mut known: Vec<_> = knobs().iter().flat_map(|k| [k.about().part, k.about().name]).collect();
         known.sort_unstable();
         known.dedup();
         return Err(AccuracyError::UnknownPart { name: name.to_owned(), known: known.join(", ") });
     }
+    Ok(chosen)
+}
+
+/// Measures knobs; `progress` gets a line of text per point.
+///
+/// # Errors
+/// What the measured module reports.
+pub fn measure(knobs: &[&dyn Knob], effort: Effort, progress: &mut dyn FnMut(&str)) -> Result<Accuracy, AccuracyError> {
     let mut bench = Bench::new(effort, progress);
     let mut curves = Vec::new();
-    for knob in chosen {
+    for knob in knobs {
         curves.push(Curve { about: knob.about(), points: knob.points(&mut bench)? });
     }
     Ok(Accuracy { knobs: curves, effort })
@@ -152,7 +158,11 @@ mod tests {
     fn names_are_unique_and_a_wrong_one_is_answered_with_the_right_ones() {
         let names: Vec<_> = knobs().iter().map(|k| k.about().name).collect();
         assert!(names.iter().all(|n| names.iter().filter(|m| m == &n).count() == 1));
-        let error = measure(Some("warp"), Effort::Quick, &mut |_| {}).unwrap_err().to_string();
+        let chosen = |part| select(part).map(|knobs| knobs.iter().map(|k| k.about().name).collect::<Vec<_>>());
+        assert_eq!(chosen(None).unwrap(), names);
+        assert_eq!(chosen(Some("facets")).unwrap(), ["facets"]);
+        assert_eq!(chosen(Some("pkd")).unwrap(), ["hard_sphere_step"]);
+        let error = chosen(Some("warp")).unwrap_err().to_string();
         assert!(error.contains("warp") && names.iter().all(|n| error.contains(n)), "{error}");
     }
 }

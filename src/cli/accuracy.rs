@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use super::{CliError, output};
-use crate::accuracy::{self, Accuracy, AccuracyError, Effort};
+use crate::accuracy::{self, Accuracy, Effort};
 use crate::exchange::WriteError;
 
 /// Arguments of `yorp accuracy`.
@@ -22,12 +22,14 @@ pub(super) struct Arguments {
 
 /// Measures and prints.
 pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), CliError> {
+    let knobs = accuracy::select(arguments.part.as_deref()).map_err(CliError::input)?;
+    if let Some(folder) = &arguments.out {
+        // Before the minutes of measuring, not after them.
+        std::fs::create_dir_all(folder)
+            .map_err(|source| CliError::write(WriteError { file: folder.clone(), source }))?;
+    }
     let effort = if arguments.quick { Effort::Quick } else { Effort::Full };
-    let measured = accuracy::measure(arguments.part.as_deref(), effort, &mut |line| eprintln!("{line}"));
-    let measured = measured.map_err(|error| match error {
-        AccuracyError::UnknownPart { .. } => CliError::input(error),
-        other => CliError::numerical(other),
-    })?;
+    let measured = accuracy::measure(&knobs, effort, &mut |line| eprintln!("{line}")).map_err(CliError::numerical)?;
     if let Some(folder) = &arguments.out {
         save(&measured, folder)?;
     }
@@ -41,7 +43,6 @@ fn save(measured: &Accuracy, folder: &Path) -> Result<(), CliError> {
         let file = folder.join(name);
         std::fs::write(&file, text).map_err(failed(file))
     };
-    std::fs::create_dir_all(folder).map_err(failed(folder.to_owned()))?;
     let figure = accuracy::svg(&measured.knobs).map_err(CliError::write)?;
     write("accuracy.json", &serde_json::to_string_pretty(measured).expect("plain data with string keys"))?;
     write("accuracy.svg", &figure)?;
