@@ -63,7 +63,7 @@ pub fn check_spin(
         if !block.departures.spheres.is_empty() {
             departures.push(block.departures);
         }
-        let movement = movement(scene, configuration, &body);
+        let movement = compare(scene, configuration, &body);
         let moved = movement.count() > 0 || !departures.is_empty();
         if !moved || quiet || over {
             let movement = moved.then_some(movement);
@@ -73,7 +73,7 @@ pub fn check_spin(
 }
 
 /// Compares `body` with the present configuration, sphere by sphere among those that are in both.
-fn movement(scene: &Scene, configuration: &ConfigurationRecord, body: &Aggregate) -> Movement {
+pub fn compare(scene: &Scene, configuration: &ConfigurationRecord, body: &Aggregate) -> Movement {
     let mut ids = body.ids.iter().peekable();
     let mut recorded: [Vec<f64>; 3] = Default::default();
     for (id, position) in configuration.sphere_ids.iter().zip(&configuration.positions) {
