@@ -148,7 +148,9 @@ impl Drift {
     ) -> Result<(), usize> {
         loop {
             let (i, now) = self.events.first();
-            if now >= step {
+            // Not `now >= step`: a time that is not a number must end the loop as well.
+            let before_the_end = now < step;
+            if !before_the_end {
                 return Ok(());
             }
             let mark = self.marks[i];
@@ -163,10 +165,9 @@ impl Drift {
                 continue;
             }
             self.collide::<P, SPIN>(i, j, now, parameters, counts);
-            if self.marks[i].collisions.max(self.marks[j].collisions)
-                > parameters.max_collisions_per_sphere.saturating_mul(RUNAWAY)
-            {
-                return Err(if self.marks[i].collisions > self.marks[j].collisions { i } else { j });
+            let most = self.marks[i].collisions.max(self.marks[j].collisions);
+            if most > parameters.max_collisions_per_sphere.saturating_mul(RUNAWAY) {
+                return Err(if self.marks[i].collisions == most { i } else { j });
             }
             self.schedule::<P>(i, now, step);
             self.schedule::<P>(j, now, step);

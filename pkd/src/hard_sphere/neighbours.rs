@@ -17,8 +17,9 @@ const LONGEST_LEASH: f64 = 0.1;
 /// Leash as a multiple of the way the sphere would go against the body until the end of the step: collisions make some
 /// spheres faster than they start.
 const LEASH_PER_WAY: f64 = 1.5;
-/// Shortest leash as a multiple of the root mean square of that way, and of the radius when nothing moves.
-const SHORTEST_LEASH: (f64, f64) = (1.0, 1e-6);
+/// Shortest leash as a multiple of the root mean square of that way, of the radius when nothing moves, and of the
+/// coordinates, whose round-off must not use it up.
+const SHORTEST_LEASH: (f64, f64, f64) = (1.0, 1e-6, 1e-12);
 
 /// The guide and leash of a sphere: one cache line, read with its [`Ball`] and laid out like it.
 #[derive(Debug, Clone, Copy)]
@@ -130,7 +131,9 @@ impl Neighbours {
     #[inline(always)]
     pub fn keeps(&self, i: usize, ball: &Ball, until: f64) -> bool {
         let leash = &self.leashes[i];
-        leash.offset(ball, until).0.norm_squared() <= leash.length2()
+        // What is not a number has no course to follow: it is found at the end of the step.
+        let off = leash.offset(ball, until).0.norm_squared() > leash.length2();
+        !off
     }
 
     /// When sphere `i`, flying straight on from `now`, comes to the end of its leash, s of the step.
@@ -179,8 +182,10 @@ impl Neighbours {
             let way = against(ball);
             let longest = LONGEST_LEASH * ball.radius();
             let own_course = way > longest;
+            let roundoff = SHORTEST_LEASH.2 * (centre.norm() + ball.velocity().norm() * end);
             let shortest = (SHORTEST_LEASH.0 * usual).max(SHORTEST_LEASH.1 * ball.radius());
             let length = if own_course { longest } else { (LEASH_PER_WAY * way).max(shortest).min(longest) };
+            let length = length.max(roundoff);
             let velocity = if own_course { ball.velocity() } else { motion.at(centre) };
             self.leashes.push(Leash::new(centre - velocity * now, velocity, length));
             let course = if own_course { way } else { 0.0 };

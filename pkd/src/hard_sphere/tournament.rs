@@ -7,11 +7,10 @@
 type Ticket = u128;
 
 fn ticket(key: f64, leaf: usize) -> Ticket {
-    debug_assert!(key >= 0.0, "keys are positive");
     Ticket::from(key.to_bits()) << 64 | leaf as Ticket
 }
 
-/// Smallest of `N` keys that are zero, positive or infinite, updated in `O(log N)`.
+/// Smallest of `N` keys that are zero, positive, infinite or not a number (which lose against all others), updated in `O(log N)`.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Tournament {
     /// A power of two, filled up with infinity.
