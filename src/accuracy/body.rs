@@ -1,4 +1,4 @@
-//! The body that knobs are measured on: a packed ellipsoid, settled, the same for all of them.
+//! The bodies that knobs are measured on: ellipsoids of randomly packed spheres, one of them settled.
 
 use nalgebra::Vector3;
 use pkd::Spheres;
@@ -19,12 +19,11 @@ pub struct Bench<'a> {
     /// How much time it may take.
     pub effort: Effort,
     progress: &'a mut dyn FnMut(&str),
-    settled: Option<Spheres>,
 }
 
 impl<'a> Bench<'a> {
     pub(super) fn new(effort: Effort, progress: &'a mut dyn FnMut(&str)) -> Self {
-        Self { effort, progress, settled: None }
+        Self { effort, progress }
     }
 
     /// Tells how far the measurement is.
@@ -32,33 +31,38 @@ impl<'a> Bench<'a> {
         (self.progress)(line);
     }
 
-    /// The settled body, turning about z, centre of mass at rest in the origin.
+    /// A packed body in its principal-axis frame, at rest; another one for each `seed`.
     ///
     /// # Errors
-    /// If the spheres cannot be packed or their dynamics fail.
-    pub fn settled_body(&mut self) -> Result<Spheres, AccuracyError> {
-        if let Some(body) = &self.settled {
-            return Ok(body.clone());
-        }
-        // Ten rotations bring a thousand spheres to rest; what a small body still does after six is of no matter here.
-        let (count, rotations) = match self.effort {
-            Effort::Quick => (150, 6),
-            Effort::Full => (1000, 10),
-        };
-        self.say(&format!("settling a body of {count} spheres for {rotations} rotations"));
+    /// If the spheres cannot be packed.
+    pub fn packed_body(&self, seed: u64) -> Result<Spheres, AccuracyError> {
         let mut body = ellipsoid_packing(&EllipsoidPacking {
-            count,
+            count: self.effort.spheres(),
             grain: Grain { radius: RADIUS_M, density: 2960.0 },
             b_over_a: 0.7,
             c_over_a: 0.7,
             packing_fraction: PACKING_FRACTION,
-            seed: Seed { seed: 7, stream: 0 },
+            seed: Seed { seed, stream: 0 },
         })?;
         to_principal_axes(&mut body)?;
+        Ok(body)
+    }
+
+    /// A settled body, turning about z, centre of mass at rest in the origin.
+    ///
+    /// # Errors
+    /// If the spheres cannot be packed or their dynamics fail.
+    pub fn settled_body(&mut self) -> Result<Spheres, AccuracyError> {
+        // Ten rotations bring a thousand spheres to rest; what a small body still does after six is of no matter here.
+        let rotations = match self.effort {
+            Effort::Quick => 6,
+            Effort::Full => 10,
+        };
+        self.say(&format!("settling a body of {} spheres for {rotations} rotations", self.effort.spheres()));
+        let mut body = self.packed_body(7)?;
         set_rigid_rotation(&mut body, Vector3::z() * std::f64::consts::TAU / PERIOD_S)?;
         HardSphere::new(HardSphereParameters::default()).evolve(&mut body, f64::from(rotations) * PERIOD_S)?;
         to_principal_axes(&mut body)?;
-        self.settled = Some(body.clone());
         Ok(body)
     }
 }

@@ -1,10 +1,11 @@
 //! Knob: the number of facets of the tiling.
 //!
-//! The same settled body is tiled with ever more facets and its torque curve compared with that of the finest tiling.
-//! The error is the largest difference over all obliquities of either component, over the largest value of that
-//! component: the part of the torque that the tiling decides. Where the vertices fall is luck, so each number of facets
-//! stands for five that differ by a few, which puts all vertices elsewhere: rms and half range over them are given. The
-//! shape between the spheres stays what the implicit surface makes it; another level or exponent is another body.
+//! The same bodies are tiled with ever more facets and their torque curves compared with those of the finest tiling. The
+//! torque of a pile of equal spheres is what is left when the bumps of all sides cancel, and a tiling that samples each
+//! bump by a facet or two leaves a remainder of its own: how large the error of one body is, is luck. So the error is
+//! taken over several: the root mean square of the largest difference over all obliquities, over that of the largest
+//! torque, for the worse of the two components. The shape between the spheres stays what the implicit surface makes it;
+//! another level or exponent is another body.
 
 use cpu_time::ProcessTime;
 use pkd::mass_properties::mass_properties;
@@ -16,8 +17,8 @@ use super::body::Bench;
 use super::{About, AccuracyError, Effort, Knob, Point, half_range};
 use crate::scene::TilingOptions;
 
-/// Facets more or less of the tilings that stand for one setting.
-const NEIGHBOURS: [i32; 5] = [0, -16, -8, 8, 16];
+/// Bodies over which the error is taken: seeds of their packings.
+const SEEDS: std::ops::Range<u64> = 1..5;
 
 /// The number of [`TilingOptions::facets`].
 pub(super) struct Facets;
@@ -30,8 +31,8 @@ impl Knob for Facets {
             unit: "facets",
             scene_key: "tiling.facets",
             default: TilingOptions::default().facets.into(),
-            error_is: "largest difference of a torque component over all obliquities, over its largest value; \
-                       reference: the finest tiling of the same body",
+            error_is: "largest difference of a torque component over all obliquities, over its largest value, rms of \
+                       four bodies each; reference: the finest tiling of the same bodies",
         }
     }
 
@@ -41,35 +42,32 @@ impl Knob for Facets {
             Effort::Quick => (&[196, 392, 784, 1568], 6368),
             Effort::Full => (&[196, 392, 784, 1568, 3184, 6368, 9980], 19_960),
         };
-        let body = BodyToTile::new(bench)?;
+        let bodies: Vec<_> = SEEDS.map(|seed| BodyToTile::new(bench, seed)).collect::<Result<_, _>>()?;
+        let curves = |facets| bodies.iter().map(|body| body.torques(facets)).collect::<Result<Vec<_>, _>>();
         bench.say(&format!("facets: reference of {finest}"));
-        let reference = body.torques(finest)?;
+        let reference = curves(finest)?;
         let mut points = Vec::new();
         for &facets in counts {
             let clock = ProcessTime::now();
-            let tables = NEIGHBOURS.map(|more| body.torques(facets.saturating_add_signed(more)));
-            let seconds = clock.elapsed().as_secs_f64() / NEIGHBOURS.len() as f64;
-            let mut errors = [0.0; NEIGHBOURS.len()];
-            for (error, table) in errors.iter_mut().zip(tables) {
-                *error = difference(&table?, &reference);
-            }
-            let error = (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt();
+            let tables = curves(facets)?;
+            let seconds = clock.elapsed().as_secs_f64() / bodies.len() as f64;
+            let (error, spread) = difference(&tables, &reference);
             bench.say(&format!("facets {facets}: error {error:.2e} in {seconds:.2} s"));
-            points.push(Point { value: facets.into(), error, spread: Some(half_range(&errors)), seconds });
+            points.push(Point { value: facets.into(), error, spread: Some(spread), seconds });
         }
         Ok(points)
     }
 }
 
-/// The settled body and the ellipsoid that its tilings start from.
+/// A body's surface and the ellipsoid that its tilings start from.
 struct BodyToTile {
     surface: ImplicitSurface,
     semi_axes: [f64; 3],
 }
 
 impl BodyToTile {
-    fn new(bench: &mut Bench) -> Result<Self, AccuracyError> {
-        let body = bench.settled_body()?;
+    fn new(bench: &Bench, seed: u64) -> Result<Self, AccuracyError> {
+        let body = bench.packed_body(seed)?;
         let TilingOptions { exponent, level, .. } = TilingOptions::default();
         let surface = ImplicitSurface::new(&body.x, &body.y, &body.z, &body.radius, exponent, level)?;
         // B1 axis ratios with the volume of the hull, as in a run.
@@ -87,14 +85,26 @@ impl BodyToTile {
     }
 }
 
-/// Largest difference of either component over its largest reference value.
-fn difference(table: &TorqueTable, reference: &TorqueTable) -> f64 {
+/// Error over all bodies for the worse component, and half the range over the bodies.
+fn difference(tables: &[TorqueTable], references: &[TorqueTable]) -> (f64, f64) {
     let component = |of: fn(&TorqueTable) -> &Vec<Vec<f64>>| {
-        let values = of(table).iter().flatten().zip(of(reference).iter().flatten());
-        let (worst, peak) = values.fold((0.0_f64, 0.0_f64), |(w, p), (t, r)| (w.max((t - r).abs()), p.max(r.abs())));
-        worst / peak
+        let worst = |t: &TorqueTable, r: &TorqueTable| {
+            largest(of(t).iter().flatten().zip(of(r).iter().flatten()).map(|(t, r)| t - r))
+        };
+        let worst: Vec<f64> = tables.iter().zip(references).map(|(t, r)| worst(t, r)).collect();
+        let peak: Vec<f64> = references.iter().map(|r| largest(of(r).iter().flatten().copied())).collect();
+        (rms(&worst) / rms(&peak), half_range(&worst) / rms(&peak))
     };
-    component(|t| &t.spin_torque_n_m).max(component(|t| &t.obliquity_torque_n_m))
+    let (spin, obliquity) = (component(|t| &t.spin_torque_n_m), component(|t| &t.obliquity_torque_n_m));
+    if spin.0 > obliquity.0 { spin } else { obliquity }
+}
+
+fn largest(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(0.0, |m, v| m.max(v.abs()))
+}
+
+fn rms(values: &[f64]) -> f64 {
+    (values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64).sqrt()
 }
 
 #[cfg(test)]

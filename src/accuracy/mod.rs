@@ -21,10 +21,20 @@ pub use page::page;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Effort {
-    /// A small body and few points: seconds.
+    /// Small bodies and few points: seconds.
     Quick,
-    /// The thousand-sphere body of the papers: minutes.
+    /// Bodies of a thousand spheres as in the papers: minutes.
     Full,
+}
+
+impl Effort {
+    /// Number of spheres of the bodies.
+    pub fn spheres(self) -> usize {
+        match self {
+            Self::Quick => 150,
+            Self::Full => 1000,
+        }
+    }
 }
 
 /// A numerical knob that can be measured.

@@ -7,14 +7,11 @@ use super::{Accuracy, Curve};
 /// The page; `figure` is the SVG document of the same curves.
 pub fn page(accuracy: &Accuracy, figure: &str) -> String {
     let mut text = String::from(HEAD);
-    let body = match accuracy.effort {
-        super::Effort::Quick => "150 spheres",
-        super::Effort::Full => "1000 spheres",
-    };
     let _ = write!(
         text,
-        "<p>Each knob is varied with everything else at its default, on a settled body of {body} that turns in 5.74 h. \
-         Seconds are CPU seconds, summed over threads.</p>\n{figure}\n"
+        "<p>Each knob is varied with everything else at its default, on bodies of {} spheres. Seconds are CPU seconds, \
+         summed over threads.</p>\n{figure}\n",
+        accuracy.effort.spheres()
     );
     accuracy.knobs.iter().for_each(|curve| table(&mut text, curve));
     text.push_str("</body>\n</html>\n");

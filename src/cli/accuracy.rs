@@ -12,7 +12,7 @@ use crate::exchange::WriteError;
 pub(super) struct Arguments {
     /// Only this knob, or the knobs of this module
     part: Option<String>,
-    /// A small body and few points: seconds instead of minutes
+    /// Small bodies and few points: seconds instead of minutes
     #[arg(long)]
     quick: bool,
     /// Also write accuracy.json, a figure (SVG and PNG) and a page (HTML) into this directory
