@@ -10,59 +10,25 @@
 //! Averages: `tau_z`, the torque along the spin axis, and `tau_u`, that along the Sun's equatorial direction. The third
 //! component precesses the spin axis and is left out.
 
+use crate::arc::{Arcs, Lit};
+use crate::declination::Declinations;
 use crate::facets::Facet;
 use crate::horizon::{Horizon, Overhang, direction};
-use crate::quadrature::gauss_legendre;
 use crate::recoil::RecoilKernel;
 use crate::sky::SkyView;
 use std::f64::consts::{PI, TAU};
-
-/// Declinations from the south pole to the north pole, closer to each other near the equator: polar caps go from night
-/// to day within a few degrees of it.
-#[derive(Debug, Clone)]
-pub(crate) struct Declinations {
-    pub sin: Vec<f64>,
-    pub cos: Vec<f64>,
-}
-
-/// Declinations from the equator to the pole, rad; every other one of them is the grid with half as many intervals.
-pub(crate) fn northern_declinations(nodes: usize) -> Vec<f64> {
-    let intervals = (nodes - 1) as f64;
-    (0..nodes).map(|k| 0.5 * PI * (k as f64 / intervals).powf(GRADING)).collect()
-}
-
-impl Declinations {
-    /// `nodes` (odd) from the equator to a pole, both included.
-    pub fn new(nodes: usize) -> Self {
-        let mut northern: Vec<_> = northern_declinations(nodes).into_iter().map(f64::sin_cos).collect();
-        northern[nodes - 1] = (1.0, 0.0);
-        let south = northern[1..].iter().rev().map(|(s, c)| (-s, *c));
-        let (sin, cos) = south.chain(northern.iter().copied()).unzip();
-        Self { sin, cos }
-    }
-
-    /// Number of declinations.
-    pub fn len(&self) -> usize {
-        self.sin.len()
-    }
-}
 
 /// The torque of a facet in sunlight of unit pressure, N m, one pair `[tau_z, tau_u]` a declination.
 pub(crate) type Response = [f64];
 
 /// Averages a facet over the rotation; one per thread.
 pub(crate) struct Day<'a, K> {
-    kernel: &'a K,
+    arcs: Arcs<'a, K>,
     declinations: &'a Declinations,
-    rules: [Vec<(f64, f64)>; 3],
     azimuths: Vec<[f64; 2]>,
     polygon: Vec<[f64; 3]>,
     crossings: Vec<Vec<Crossing>>,
 }
-
-/// How declinations crowd towards the equator: spacing 0 to 90 deg as this power. Of 1, 1.25, 1.5 and 2 it is the one with
-/// the smallest errors of the obliquity torque at 25 to 73 nodes on four asteroid shapes.
-const GRADING: f64 = 1.5;
 
 /// Longest piece of the side of a box, rad: a circle of declination may cross a longer arc twice.
 const PIECE: f64 = 0.05;
@@ -85,20 +51,10 @@ struct Crossing {
     step: i32,
 }
 
-/// Integrals over the lit part of the day of the three recoil terms times 1, cos H and sin H (those that are needed).
-#[derive(Debug, Clone, Copy, Default)]
-struct Lit {
-    emitted: [f64; 3],
-    normal: [f64; 3],
-    solar: [f64; 2],
-}
-
 impl<'a, K: RecoilKernel> Day<'a, K> {
     pub fn new(kernel: &'a K, declinations: &'a Declinations) -> Self {
-        // Positive halves of the symmetric rules with 4, 8 and 16 points.
-        let rules = [4, 8, 16].map(|n| gauss_legendre(n).split_off(n / 2));
         let crossings = vec![Vec::new(); declinations.len()];
-        Self { kernel, declinations, rules, azimuths: Vec::new(), polygon: Vec::new(), crossings }
+        Self { arcs: Arcs::new(kernel), declinations, azimuths: Vec::new(), polygon: Vec::new(), crossings }
     }
 
     /// Adds the facet's response times `weight` to `out`, which holds two numbers a declination. `shadows` is the
@@ -114,7 +70,7 @@ impl<'a, K: RecoilKernel> Day<'a, K> {
             let (a, b) = (facet.sin_lat * sin_dec, facet.cos_lat * cos_dec);
             let mut lit = Lit::default();
             match shadows {
-                None => self.add_arc(a, b, 0.0, half_day(a, b), &mut lit),
+                None => self.arcs.add_open_day(a, b, &mut lit),
                 Some(horizon) => self.add_lit_arcs(facet, horizon, j, &mut lit),
             }
             let [along_spin, along_sun] = arms.torque(&lit, sin_dec, cos_dec);
@@ -187,7 +143,7 @@ impl<'a, K: RecoilKernel> Day<'a, K> {
             Some(last) => last.hour_angle - TAU,
             None => {
                 if above > 0 && covered == 0 {
-                    self.add_arc(a, b, 0.0, PI, lit);
+                    self.arcs.add(a, b, 0.0, PI, lit);
                 }
                 0.0
             }
@@ -195,7 +151,7 @@ impl<'a, K: RecoilKernel> Day<'a, K> {
         for crossing in &crossings {
             if above > 0 && covered == 0 {
                 let half = 0.5 * (crossing.hour_angle - since);
-                self.add_arc(a, b, since + half, half, lit);
+                self.arcs.add(a, b, since + half, half, lit);
             }
             match crossing.region {
                 Region::AboveHorizon => above += crossing.step,
@@ -204,42 +160,6 @@ impl<'a, K: RecoilKernel> Day<'a, K> {
             since = crossing.hour_angle;
         }
         self.crossings[j] = crossings;
-    }
-
-    /// Adds the arc of half-width `half` about the hour angle `middle`, with `mu0 = a + b cos H`.
-    #[inline]
-    fn add_arc(&self, a: f64, b: f64, middle: f64, half: f64, lit: &mut Lit) {
-        if half <= 0.0 {
-            return;
-        }
-        // The integrand is close to a polynomial of low degree in cos H: 8 points resolve half a day to 1e-8.
-        let rule = if half < 0.3 {
-            &self.rules[0]
-        } else if half <= 0.5 * PI {
-            &self.rules[1]
-        } else {
-            &self.rules[2]
-        };
-        let (sin_m, cos_m) = middle.sin_cos();
-        for &(x, weight) in rule {
-            let (sin_x, cos_x) = (half * x).sin_cos();
-            let weight = half * weight;
-            for (cos_h, sin_h) in [
-                (cos_m * cos_x - sin_m * sin_x, sin_m * cos_x + cos_m * sin_x),
-                (cos_m * cos_x + sin_m * sin_x, sin_m * cos_x - cos_m * sin_x),
-            ] {
-                let recoil = self.kernel.at(a + b * cos_h);
-                let [emitted, normal, solar] = [recoil.emitted, recoil.normal, recoil.solar].map(|r| weight * r);
-                lit.emitted[0] += emitted;
-                lit.emitted[1] += emitted * cos_h;
-                lit.emitted[2] += emitted * sin_h;
-                lit.normal[0] += normal;
-                lit.normal[1] += normal * cos_h;
-                lit.normal[2] += normal * sin_h;
-                lit.solar[0] += solar * cos_h;
-                lit.solar[1] += solar * sin_h;
-            }
-        }
     }
 }
 
@@ -279,17 +199,6 @@ fn culminates_in(region: Region, facet: &Facet, horizon: &Horizon, sin_dec: f64,
             let [low, high] = overhang.tan_elevation;
             overhang.azimuth as usize == azimuth && above(low) && !above(high)
         }),
-    }
-}
-
-/// Half the length of the day over an open horizon, rad.
-fn half_day(a: f64, b: f64) -> f64 {
-    if a >= b {
-        PI
-    } else if a <= -b {
-        0.0
-    } else {
-        (-a / b).acos()
     }
 }
 

@@ -19,12 +19,14 @@ const LEAF: usize = 4;
 /// What rises by less than this fraction of the body's size is in the plane: coplanar neighbours do not shade one
 /// another by round-off.
 const PLANE_TOLERANCE: f64 = 1e-9;
-/// Intervals of elevation (tangents) that are this close touch: neighbouring facets meet to round-off.
+/// Intervals of elevation (tangents) closer than this times 1 + tangent touch.
 const TOUCHING: f64 = 1e-9;
 /// What [`rough_azimuth`] may be off by, rad, with room to spare.
 const AZIMUTH_PAD: f64 = 1e-4;
 /// A disc that spans more azimuths of the map than this is not compared as a whole; its parts will be.
 const WIDEST_SPAN: i64 = 24;
+/// A facet in a leaf that spans fewer azimuths than this is tried at all of them.
+const NARROW_SPAN: i64 = 4;
 /// Steepest horizon that is kept (90 deg less 0.2 arc seconds).
 const STEEPEST: f64 = 1e6;
 
@@ -112,6 +114,8 @@ struct Node {
     at: u32,
     /// Facets of a leaf, 0 for an inner node.
     facets: u32,
+    /// Coordinate that tells an inner node's children apart; the first child has the smaller ones.
+    axis: usize,
 }
 
 /// A facet with its plane: `normal . x > offset` on the side that it faces.
@@ -136,11 +140,86 @@ pub(crate) struct Scanner {
 /// Buffers of one thread.
 #[derive(Debug, Default)]
 pub(crate) struct ScanScratch {
-    /// Tangents up to which the sky is known to be hidden.
-    ground: Vec<f64>,
-    /// Hidden intervals that did not touch the ground when they were found.
-    floating: Vec<(usize, f64, f64)>,
+    hidden: Hidden,
     stack: Vec<u32>,
+}
+
+/// What is known to be hidden while facets are still coming in, as tangents of elevations.
+#[derive(Debug, Default)]
+struct Hidden {
+    /// Hidden from the ground up to here, at each azimuth.
+    ground: Vec<f64>,
+    /// The lowest interval that did not touch the ground when it was found; empty (infinite, zero) if there is none.
+    lowest: Vec<[f64; 2]>,
+    /// Further such intervals, by azimuth.
+    floating: Vec<(usize, f64, f64)>,
+}
+
+impl Hidden {
+    fn reset(&mut self, azimuths: usize) {
+        self.ground.clear();
+        self.ground.resize(azimuths, 0.0);
+        self.lowest.clear();
+        self.lowest.resize(azimuths, NOTHING);
+        self.floating.clear();
+    }
+
+    /// Adds an interval. Most float only until the facet below them comes in.
+    #[inline]
+    fn add(&mut self, k: usize, low: f64, high: f64) {
+        let (ground, lowest) = (&mut self.ground[k], &mut self.lowest[k]);
+        if high <= *ground {
+            return;
+        }
+        if low <= touching(*ground) {
+            *ground = high;
+            if lowest[0] <= touching(high) {
+                *ground = high.max(lowest[1]);
+                *lowest = NOTHING;
+            }
+        } else if low <= touching(lowest[1]) && lowest[0] <= touching(high) {
+            *lowest = [low.min(lowest[0]), high.max(lowest[1])];
+        } else if lowest[1] == 0.0 {
+            *lowest = [low, high];
+        } else {
+            let upper = if low < lowest[0] { std::mem::replace(lowest, [low, high]) } else { [low, high] };
+            self.floating.push((k, upper[0], upper[1]));
+        }
+    }
+
+    /// Joins floating intervals to the ground where something found later bridged the gap; what is left leans over.
+    fn settle(&mut self) -> Box<[Overhang]> {
+        let Self { ground, lowest, floating } = self;
+        floating.extend((0..).zip(lowest).filter(|(_, l)| l[1] > 0.0).map(|(k, l)| (k, l[0], l[1])));
+        floating.sort_unstable_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.total_cmp(&b.2)));
+        let mut overhangs: Vec<(usize, f64, f64)> = Vec::new();
+        for &(k, low, high) in &*floating {
+            if low <= touching(ground[k]) {
+                ground[k] = ground[k].max(high);
+                continue;
+            }
+            match overhangs.last_mut() {
+                Some(last) if last.0 == k && low <= touching(last.2) => last.2 = last.2.max(high),
+                _ => overhangs.push((k, low, high)),
+            }
+        }
+        let overhang =
+            |(k, low, high): (usize, f64, f64)| Overhang { azimuth: k as u32, tan_elevation: [kept(low), kept(high)] };
+        overhangs.into_iter().map(overhang).collect()
+    }
+}
+
+/// No interval.
+const NOTHING: [f64; 2] = [f64::INFINITY, 0.0];
+
+/// The end of an interval, a hair further: neighbouring facets meet to round-off.
+fn touching(end: f64) -> f64 {
+    end + TOUCHING * (1.0 + end)
+}
+
+/// A tangent as the map keeps it.
+fn kept(tan_elevation: f64) -> f32 {
+    tan_elevation.min(STEEPEST) as f32
 }
 
 impl Scanner {
@@ -168,23 +247,21 @@ impl Scanner {
             let d = [p[0] - facet.point[0], p[1] - facet.point[1], p[2] - facet.point[2]];
             axes.map(|a| dot(&a, &d))
         };
-        let ScanScratch { ground, floating, stack } = scratch;
-        ground.clear();
-        ground.resize(self.azimuths.len(), 0.0);
-        floating.clear();
+        let ScanScratch { hidden, stack } = scratch;
+        hidden.reset(self.azimuths.len());
         stack.clear();
         stack.push(0);
         let mut rises = false;
         while let Some(index) = stack.pop() {
             let node = &self.nodes[index as usize];
-            if self.hidden(local(&node.centre), node, dot(&axes[2], &node.normal), ground) {
+            let Some(azimuths) = self.visible(local(&node.centre), node, dot(&axes[2], &node.normal), &hidden.ground)
+            else {
                 continue;
-            }
+            };
             if node.facets == 0 {
                 let (left, right) = (index + 1, node.at);
-                let distance = |n: u32| square_distance(&self.nodes[n as usize].centre, &facet.point);
                 // What is popped first is near and raises the horizon that hides the rest.
-                let near_left = distance(left) <= distance(right);
+                let near_left = facet.point[node.axis] <= node.centre[node.axis];
                 stack.extend(if near_left { [right, left] } else { [left, right] });
                 continue;
             }
@@ -193,30 +270,31 @@ impl Scanner {
                     let corners = occluder.corners.each_ref().map(local);
                     if corners.iter().any(|c| c[2] > self.tolerance) {
                         rises = true;
-                        self.hide(&corners, ground, floating);
+                        self.hide(&corners, azimuths, hidden);
                     }
                 }
             }
         }
         rises.then(|| Horizon {
-            overhangs: settle(ground, floating),
-            tan_elevation: ground.iter().map(|t| t.min(STEEPEST) as f32).collect(),
+            overhangs: hidden.settle(),
+            tan_elevation: hidden.ground.iter().map(|t| kept(*t)).collect(),
         })
     }
 
-    /// Whether nothing in the node can hide more sky. `centre` is its centre (north, west, up from the facet), `tilt` the
-    /// cosine between its normal and the facet's.
+    /// The azimuths of the map at which the node may hide more sky (all if it is wide), or `None` if it cannot. `centre` is
+    /// its centre (north, west, up from the observer), `tilt` the cosine between its normal and the observer's.
     #[inline]
-    fn hidden(&self, centre: [f64; 3], node: &Node, tilt: f64, ground: &[f64]) -> bool {
+    fn visible(&self, centre: [f64; 3], node: &Node, tilt: f64, ground: &[f64]) -> Option<(i64, i64)> {
+        let all = Some((0, self.azimuths.len() as i64 - 1));
         let [x, y, z] = centre;
         let flat = node.radius * (1.0 - tilt * tilt).max(0.0).sqrt() + node.thickness * tilt.abs();
         let top = z + flat.min(node.radius);
         if top <= self.tolerance {
-            return true;
+            return None;
         }
         let distance = (x * x + y * y).sqrt();
         if distance <= node.radius * 1.001 {
-            return false;
+            return all;
         }
         // asin s <= s + (pi/2 - 1) s^3 on [0, 1].
         let s = node.radius / distance;
@@ -224,14 +302,26 @@ impl Scanner {
         let azimuth = rough_azimuth(x, y);
         let (first, last) = self.span(azimuth - half_width, azimuth + half_width);
         if last - first > WIDEST_SPAN {
-            return false;
+            return all;
         }
         let bound = top / (distance - node.radius);
-        (first..=last).all(|k| ground[self.wrap(k)] >= bound)
+        (first..=last).any(|k| ground[self.wrap(k)] < bound).then_some((first, last))
     }
 
-    /// Hides the sky behind a facet with these corners (north, west, up from the observer).
-    fn hide(&self, corners: &[[f64; 3]; 3], ground: &mut [f64], floating: &mut Vec<(usize, f64, f64)>) {
+    /// Hides the sky behind a facet with these corners (north, west, up from the observer), which lies within `azimuths`.
+    fn hide(&self, corners: &[[f64; 3]; 3], azimuths: (i64, i64), hidden: &mut Hidden) {
+        let narrow = azimuths.1 - azimuths.0 < NARROW_SPAN;
+        let (first, last) = if narrow { azimuths } else { self.azimuths_of(corners) };
+        for k in first..=last {
+            let k = self.wrap(k);
+            if let Some((low, high)) = interval(corners, self.azimuths[k]) {
+                hidden.add(k, low, high);
+            }
+        }
+    }
+
+    /// First and last azimuth of the map that a facet may meet.
+    fn azimuths_of(&self, corners: &[[f64; 3]; 3]) -> (i64, i64) {
         let from = rough_azimuth(corners[0][0], corners[0][1]);
         let turn = |c: &[f64; 3]| {
             let d = rough_azimuth(c[0], c[1]) - from;
@@ -245,24 +335,11 @@ impl Scanner {
         };
         let (b, c) = (turn(&corners[1]), turn(&corners[2]));
         let (low, high) = (b.min(c).min(0.0), b.max(c).max(0.0));
-        let (first, last) = if high - low > PI - 2.0 * AZIMUTH_PAD {
+        if high - low > PI - 2.0 * AZIMUTH_PAD {
             // Overhead, underfoot or nearly so: any azimuth may meet it.
             (0, self.azimuths.len() as i64 - 1)
         } else {
             self.span(from + low - AZIMUTH_PAD, from + high + AZIMUTH_PAD)
-        };
-        for k in first..=last {
-            let k = self.wrap(k);
-            if let Some((low, high)) = interval(corners, self.azimuths[k]) {
-                if high <= ground[k] {
-                    continue;
-                }
-                if low <= ground[k] + TOUCHING * (1.0 + ground[k]) {
-                    ground[k] = high;
-                } else {
-                    floating.push((k, low, high));
-                }
-            }
         }
     }
 
@@ -270,7 +347,7 @@ impl Scanner {
     #[inline]
     fn span(&self, from: f64, to: f64) -> (i64, i64) {
         let per_radian = self.azimuths.len() as f64 / TAU;
-        ((from * per_radian).ceil() as i64, (to * per_radian).floor() as i64)
+        (-floor(-from * per_radian), floor(to * per_radian))
     }
 
     /// Index into the map of an azimuth counted from north, less than two turns off.
@@ -320,27 +397,6 @@ fn interval(corners: &[[f64; 3]; 3], [c, s]: [f64; 2]) -> Option<(f64, f64)> {
     Some(if at_axis > 0.0 { (t, f64::INFINITY) } else { (f64::NEG_INFINITY, t) })
 }
 
-/// Joins floating intervals to the ground where something found later bridged the gap; what is left leans over.
-fn settle(ground: &mut [f64], floating: &mut [(usize, f64, f64)]) -> Box<[Overhang]> {
-    floating.sort_unstable_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.total_cmp(&b.2)));
-    let mut overhangs: Vec<(usize, f64, f64)> = Vec::new();
-    for &(k, low, high) in &*floating {
-        if low <= ground[k] + TOUCHING * (1.0 + ground[k]) {
-            ground[k] = ground[k].max(high);
-            continue;
-        }
-        match overhangs.last_mut() {
-            Some(last) if last.0 == k && low <= last.2 + TOUCHING * (1.0 + last.2) => last.2 = last.2.max(high),
-            _ => overhangs.push((k, low, high)),
-        }
-    }
-    let kept = |t: f64| t.min(STEEPEST) as f32;
-    overhangs
-        .into_iter()
-        .map(|(k, low, high)| Overhang { azimuth: k as u32, tan_elevation: [kept(low), kept(high)] })
-        .collect()
-}
-
 /// Cosine and sine of azimuth `2 pi k / n`, mirror-symmetric to the last bit: a mirrored body has mirrored horizons.
 pub(crate) fn direction(k: usize, n: usize) -> [f64; 2] {
     let octant = |k: usize| (TAU * k as f64 / n as f64).sin_cos();
@@ -378,6 +434,13 @@ fn rough_azimuth(x: f64, y: f64) -> f64 {
     if y < 0.0 { -angle } else { angle }
 }
 
+/// Largest integer not above `x`; faster than the library call of machines without a rounding instruction.
+#[inline(always)]
+fn floor(x: f64) -> i64 {
+    let truncated = x as i64;
+    truncated - i64::from((truncated as f64) > x)
+}
+
 fn square_distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     (0..3).map(|k| (a[k] - b[k]).powi(2)).sum()
 }
@@ -410,7 +473,7 @@ fn build(occluders: &mut [Occluder], offset: usize, nodes: &mut Vec<Node>) {
     let radius = corners().map(|p| square_distance(p, &centre)).fold(0.0, f64::max).sqrt() * (1.0 + 1e-12);
     let thickness = corners().map(off_plane).fold(0.0, f64::max) + 1e-12 * radius;
     let index = nodes.len();
-    nodes.push(Node { centre, radius, normal, thickness, at: offset as u32, facets: occluders.len() as u32 });
+    nodes.push(Node { centre, radius, normal, thickness, at: offset as u32, facets: occluders.len() as u32, axis: 0 });
     if occluders.len() <= LEAF {
         return;
     }
@@ -422,5 +485,5 @@ fn build(occluders: &mut [Occluder], offset: usize, nodes: &mut Vec<Node>) {
     build(left, offset, nodes);
     let second = nodes.len() as u32;
     build(right, offset + middle, nodes);
-    nodes[index] = Node { at: second, facets: 0, ..nodes[index] };
+    nodes[index] = Node { at: second, facets: 0, axis, ..nodes[index] };
 }

@@ -21,6 +21,8 @@
 //! ```
 #![warn(missing_docs)]
 
+mod arc;
+mod body;
 pub mod constants;
 mod day;
 mod declination;

@@ -24,8 +24,8 @@ const REMEMBERED: usize = 16;
 /// `A_dh`, `f_n` and `f_t` of a Hapke surface, tabulated in `cos i` and interpolated by cubics.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecoilTable {
-    /// `A_dh`, `f_n` and `f_t / sin i`, all three smooth in `cos i`.
-    table: CubicTable<3>,
+    /// `A_dh`, `f_n` and `f_t / sin i`, all three smooth in `cos i`, and an idle fourth that makes two pairs of them.
+    table: CubicTable<4>,
 }
 
 /// Recoil of a facet in a form that is a sum over the lit part of a day: the force on a facet of unit area in sunlight
@@ -39,6 +39,18 @@ pub(crate) struct Recoil {
     pub normal: f64,
     /// `mu0 f_t / sin i`.
     pub solar: f64,
+}
+
+impl Recoil {
+    #[inline(always)]
+    pub fn plus(&self, o: &Self) -> Self {
+        Self { emitted: self.emitted + o.emitted, normal: self.normal + o.normal, solar: self.solar + o.solar }
+    }
+
+    #[inline(always)]
+    pub fn minus(&self, o: &Self) -> Self {
+        Self { emitted: self.emitted - o.emitted, normal: self.normal - o.normal, solar: self.solar - o.solar }
+    }
 }
 
 /// Recoil as a function of the cosine of incidence; kernels are compiled for each implementation.
@@ -64,7 +76,7 @@ impl RecoilKernel for RecoilTable {
     #[inline(always)]
     fn at(&self, mu0: f64) -> Recoil {
         let mu0 = mu0.max(0.0);
-        let [scattered, normal, tangential] = self.table.at(mu0);
+        let [scattered, normal, tangential, _] = self.table.at(mu0);
         Recoil { emitted: mu0 * (1.0 - scattered), normal: mu0 * (normal - mu0 * tangential), solar: mu0 * tangential }
     }
 }
@@ -108,7 +120,7 @@ impl RecoilTable {
 
     /// `(A_dh, f_n, f_t)` at the cosine of incidence `mu0` in [0, 1].
     pub fn at_cosine(&self, mu0: f64) -> (f64, f64, f64) {
-        let [scattered, normal, tangential] = self.table.at(mu0);
+        let [scattered, normal, tangential, _] = self.table.at(mu0);
         (scattered, normal, tangential * ((1.0 - mu0) * (1.0 + mu0)).max(0.0).sqrt())
     }
 
@@ -123,11 +135,11 @@ impl RecoilTable {
 }
 
 /// `A_dh`, `f_n` and `f_t / sin i` at `mu0 = cos i`; the weights of `azimuth` cover the whole turn.
-fn hemisphere(p: &Photometry, mu0: f64, emission: &[(f64, f64)], azimuth: &[(Azimuth, f64)]) -> [f64; 3] {
+fn hemisphere(p: &Photometry, mu0: f64, emission: &[(f64, f64)], azimuth: &[(Azimuth, f64)]) -> [f64; 4] {
     // At the zenith f_t / sin i is a limit; 1e-3 rad away it is off by 1e-6 of itself.
     let incidence = mu0.acos().max(1e-3);
     let i = p.slope(incidence.cos());
-    let mut sums = [0.0; 3];
+    let mut sums = [0.0; 4];
     for (from, to) in [(0.0, incidence), (incidence, 0.5 * PI)] {
         for &(x, weight) in emission {
             let angle = 0.5 * (from + to) + 0.5 * (to - from) * x;

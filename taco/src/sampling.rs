@@ -5,7 +5,7 @@ use crate::error::{TacoError, require};
 /// Which obliquities to compute and how finely to sample; the defaults were chosen from measured error curves.
 ///
 /// The rotation itself has no step: the times of sunrise and sunset come from the horizon in closed form, and the arc
-/// between them is integrated by Gauss quadrature to about 1e-7.
+/// between them is integrated by Gauss quadrature to 2e-5 or better.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sampling {
     /// Obliquities of the table (default: every 5 deg, as Cotto-Figueroa et al. 2015).

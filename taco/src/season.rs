@@ -6,7 +6,7 @@
 //! `T_omega = <tau_z>` and `T_eps = <tau_u sin lambda cos eps / cos dec>`. Only the part of `tau_z` even and of `tau_u`
 //! odd in declination survives, which makes `T_omega` even and `T_eps` odd about 90 deg for a body that stores no heat.
 
-use crate::day::northern_declinations;
+use crate::declination::northern_declinations;
 use crate::spline::{Symmetry, weights, weights_on_values};
 use std::f64::consts::FRAC_PI_2;
 

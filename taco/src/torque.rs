@@ -4,8 +4,8 @@
 //! a positive `T_epsilon` raises the obliquity. Direct radiation pressure exerts no secular torque and is left out
 //! (Rubincam & Paddack 2010, Icarus 209, 863; Nesvorny & Vokrouhlicky 2008, A&A 480, 1).
 
-use crate::day::Declinations;
-use crate::declination::Body;
+use crate::body::Body;
+use crate::declination::Declinations;
 use crate::error::TacoError;
 use crate::facets::{Facet, facets};
 use crate::horizon::{HorizonMap, Scanner};
@@ -108,19 +108,22 @@ impl Task<'_> {
     fn run(&self, kernel: &impl RecoilKernel) -> Result<TorqueTable, TacoError> {
         let Self { mesh, surface, facets, horizons, .. } = *self;
         let nodes = self.sampling.declination_nodes;
-        let coarse_nodes = nodes.div_ceil(2);
+        // Errors that need passes of their own are estimated at every fourth declination where that is possible.
+        let stride = if nodes % 4 == 1 { 4 } else { 2 };
+        let coarse_nodes = (nodes - 1) / stride + 1;
         let obliquities_deg = self.sampling.obliquities_deg()?;
         let (fine, coarse) = (Declinations::new(nodes), Declinations::new(coarse_nodes));
         let season = Season::new(nodes, &obliquities_deg);
+        let half_season = Season::new(nodes.div_ceil(2), &obliquities_deg);
         let coarse_season = Season::new(coarse_nodes, &obliquities_deg);
 
         let body = Body { mesh, facets, surface, kernel, horizons };
-        let rotation = body.rotation(&fine, &coarse);
+        let rotation = body.rotation(&fine, &coarse, stride);
         let curve = season.curve(&rotation.response, 1).scaled(self.pressure_pa);
         self.check_finite(&curve, &obliquities_deg)?;
 
         let shaded_facets = horizons.map_or(0, |(_, map)| map.shaded_facets());
-        let coarser = coarse_season.curve(&rotation.response, 2).scaled(self.pressure_pa);
+        let coarser = half_season.curve(&rotation.response, 2).scaled(self.pressure_pa);
         let mut parts = vec![part("declination_nodes", curve.distance(&coarser))];
         if shaded_facets > 0 {
             let zero = Curve { spin: vec![0.0; curve.spin.len()], obliquity: vec![0.0; curve.spin.len()] };
