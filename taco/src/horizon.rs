@@ -11,7 +11,7 @@
 use crate::error::{TacoError, require};
 use crate::facets::{Facet, facets};
 use rayon::prelude::*;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
 use tiling::Mesh;
 
 /// Facets in a leaf of the tree.
@@ -403,7 +403,8 @@ pub(crate) fn direction(k: usize, n: usize) -> [f64; 2] {
     let quarter = n / 4;
     let (s, c) = match (k % quarter, quarter) {
         (0, _) => (0.0, 1.0),
-        (j, q) if 2 * j <= q => octant(j),
+        (j, q) if 2 * j == q => (FRAC_1_SQRT_2, FRAC_1_SQRT_2),
+        (j, q) if 2 * j < q => octant(j),
         (j, q) => {
             let (s, c) = octant(q - j);
             (c, s)
@@ -486,4 +487,157 @@ fn build(occluders: &mut [Occluder], offset: usize, nodes: &mut Vec<Node>) {
     let second = nodes.len() as u32;
     build(right, offset + middle, nodes);
     nodes[index] = Node { at: second, facets: 0, axis, ..nodes[index] };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Closed box between two corners.
+    fn cuboid(mesh: &mut Mesh, low: [f64; 3], high: [f64; 3]) {
+        let first = mesh.vertices.len() as u32;
+        let corner = |i: usize| std::array::from_fn(|k| if i >> k & 1 == 0 { low[k] } else { high[k] });
+        mesh.vertices.extend((0..8).map(corner));
+        let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let triangles = quads.iter().flat_map(|q: &[u32; 4]| [[q[0], q[1], q[2]], [q[0], q[2], q[3]]]);
+        mesh.facets.extend(triangles.map(|t| t.map(|v| v + first)));
+    }
+
+    /// A sphere with hills and valleys and a slab that hovers over its top.
+    fn rugged(vertices: usize) -> Mesh {
+        let mut mesh = tiling::fibonacci::unit_sphere(vertices).unwrap();
+        for v in &mut mesh.vertices {
+            let r = 1.0 + 0.15 * (5.0 * v[0]).sin() * (6.0 * v[1]).cos() + 0.1 * (9.0 * v[2]).sin();
+            *v = v.map(|c| c * r);
+        }
+        cuboid(&mut mesh, [-0.4, -0.5, 1.5], [0.4, 0.5, 1.6]);
+        mesh
+    }
+
+    /// Whether a ray from `point` towards `direction` meets a facet other than `own`.
+    fn blocked(mesh: &Mesh, point: [f64; 3], direction: [f64; 3], own: usize) -> bool {
+        let (p, d) = (nalgebra::Vector3::from(point), nalgebra::Vector3::from(direction));
+        (0..mesh.facets.len()).filter(|f| *f != own).any(|f| {
+            let [a, b, c] = mesh.corners(f);
+            let (e1, e2, t) = (b - a, c - a, p - a);
+            let (q, r) = (d.cross(&e2), t.cross(&e1));
+            let det = e1.dot(&q);
+            let (u, v) = (t.dot(&q) / det, d.dot(&r) / det);
+            u >= 0.0 && v >= 0.0 && u + v <= 1.0 && e2.dot(&r) / det > 0.0
+        })
+    }
+
+    #[test]
+    fn hidden_sky_is_where_rays_are_blocked() {
+        let mesh = rugged(200);
+        let bins = 40;
+        let map = HorizonMap::new(&mesh, bins).unwrap();
+        let (mut lit, mut dark, mut overhung) = (0, 0, 0);
+        for (f, facet) in facets(&mesh).unwrap().iter().enumerate() {
+            let horizon = map.horizon(f);
+            overhung += usize::from(horizon.is_some_and(|h| !h.overhangs.is_empty()));
+            let [north, west, up] = facet.horizon_axes();
+            for k in 0..bins {
+                let [c, s] = direction(k, bins);
+                for elevation in [0.02f64, 0.11, 0.3, 0.62, 1.0, 1.4] {
+                    let t = elevation.tan();
+                    let towards = std::array::from_fn(|i| c * north[i] + s * west[i] + t * up[i]);
+                    let hidden = horizon.is_some_and(|h| {
+                        let over = |o: &Overhang| {
+                            let [low, high] = o.tan_elevation.map(f64::from);
+                            o.azimuth as usize == k && low < t && t < high
+                        };
+                        f64::from(h.tan_elevation[k]) > t || h.overhangs.iter().any(over)
+                    });
+                    assert_eq!(hidden, blocked(&mesh, facet.point, towards, f), "facet {f}, azimuth {k}, {elevation}");
+                    if hidden { dark += 1 } else { lit += 1 }
+                }
+            }
+        }
+        assert!(lit > 10_000 && dark > 10_000 && overhung > 10, "{lit} {dark} {overhung}");
+    }
+
+    #[test]
+    fn what_the_tree_leaves_out_changes_nothing() {
+        let mesh = rugged(300);
+        let facets = facets(&mesh).unwrap();
+        let scanner = Scanner::new(&mesh, 64);
+        for facet in &facets {
+            let axes = facet.horizon_axes();
+            let mut all = Hidden::default();
+            all.reset(64);
+            for occluder in &scanner.occluders {
+                let corners = occluder.corners.map(|p| {
+                    let d = std::array::from_fn(|k| p[k] - facet.point[k]);
+                    axes.map(|a| dot(&a, &d))
+                });
+                let faces = dot(&occluder.normal, &facet.point) > occluder.offset;
+                if faces && corners.iter().any(|c| c[2] > scanner.tolerance) {
+                    scanner.hide(&corners, (0, 63), &mut all);
+                }
+            }
+            let overhangs = all.settle();
+            match scanner.horizon(facet, &mut ScanScratch::default()) {
+                None => assert!(all.ground.iter().all(|t| *t == 0.0) && overhangs.is_empty()),
+                Some(horizon) => {
+                    for (a, b) in all.ground.iter().zip(&horizon.tan_elevation) {
+                        assert!((kept(*a) - b).abs() <= 1e-6 * (1.0 + b), "{a} {b}");
+                    }
+                    assert_eq!(overhangs.len(), horizon.overhangs.len());
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn convex_bodies_have_no_horizon_not_even_by_round_off() {
+        let mut cube = Mesh::default();
+        cuboid(&mut cube, [-1.0, -2.0, -3.0], [1.0, 2.0, 3.0]);
+        let turn = nalgebra::Rotation3::from_euler_angles(0.3, 1.1, -0.7);
+        for mesh in [cube.rotated(turn.matrix()), tiling::fibonacci::unit_sphere(500).unwrap()] {
+            assert_eq!(HorizonMap::new(&mesh, 32).unwrap().shaded_facets(), 0);
+        }
+    }
+
+    /// From the floor at a distance d before a wall of height H, tan h = H cos az / d.
+    #[test]
+    fn wall_stands_as_high_as_its_distance_says() {
+        let mut mesh = Mesh::default();
+        cuboid(&mut mesh, [-50.0, -50.0, -1.0], [50.0, 50.0, 0.0]);
+        cuboid(&mut mesh, [-50.0, 10.0, 0.0], [50.0, 11.0, 4.0]);
+        let floor = (0..mesh.facets.len()).find(|f| mesh.normal(*f).z > 0.9 && mesh.centroid(*f).z == 0.0).unwrap();
+        let point = mesh.centroid(floor);
+        let map = HorizonMap::new(&mesh, 360).unwrap();
+        let horizon = map.horizon(floor).unwrap();
+        // A facet that looks along the spin axis has its azimuths from -x, over -y.
+        let distance = 10.0 - point.y;
+        for az_deg in [245usize, 270, 290] {
+            let expected = 4.0 * (az_deg as f64).to_radians().sin().abs() / distance;
+            assert!((f64::from(horizon.tan_elevation[az_deg]) - expected).abs() < 1e-6);
+        }
+        assert_eq!(horizon.tan_elevation[90], 0.0);
+        assert!(horizon.overhangs.is_empty());
+    }
+
+    #[test]
+    fn azimuths_are_mirror_symmetric_to_the_last_bit() {
+        for n in [16, 24, 72, 120, 360] {
+            for k in 0..n {
+                let [c, s] = direction(k, n);
+                let [cm, sm] = direction((n - k) % n, n);
+                assert_eq!((c, s.abs()), (cm, sm.abs()));
+                assert!((c - (TAU * k as f64 / n as f64).cos()).abs() < 1e-15);
+                assert!((s - (TAU * k as f64 / n as f64).sin()).abs() < 1e-15);
+            }
+        }
+    }
+
+    #[test]
+    fn rough_azimuth_is_rough_only() {
+        for k in 0..10_000 {
+            let angle = (f64::from(k) / 5000.0 - 1.0) * PI;
+            assert!((rough_azimuth(angle.cos(), angle.sin()) - angle).abs() < AZIMUTH_PAD / 2.0);
+        }
+        assert_eq!(rough_azimuth(0.0, 0.0), 0.0);
+    }
 }
