@@ -110,6 +110,7 @@ impl Drift {
             collisions: self.marks[sphere].collisions,
             time_s: time_s + self.marks[sphere].collided_at,
         })?;
+        counts.collisions = counts.nominal + counts.slide + counts.collapse + counts.capped;
         let after = self.deepest_overlap(step, time_s + step)?;
         self.store(spheres, step);
         Ok((counts, before.max(after)))
@@ -187,8 +188,12 @@ impl Drift {
         let [one, two] = [self.balls[i], self.balls[j]];
         let spins = if SPIN { [self.spins[i], self.spins[j]] } else { [Vector3::zeros(); 2] };
         let normal = (two.position_at(now) - one.position_at(now)).normalize();
-        let restitution = self.restitution::<SPIN>(i, j, now, normal, spins, parameters, counts);
-        match impact::<SPIN>([&one, &two], spins, normal, restitution) {
+        let change = match self.restitution::<SPIN>(i, j, now, normal, spins, parameters, counts) {
+            Some(restitution) => impact::<SPIN>([&one, &two], spins, normal, restitution),
+            // Most collisions are lossless, and then the spins have no part in it.
+            None => impact::<false>([&one, &two], spins, normal, Restitution::ELASTIC),
+        };
+        match change {
             Some(change) => {
                 // SAFETY: `event_loop` chose a predictor of this processor.
                 unsafe {
@@ -210,7 +215,8 @@ impl Drift {
         }
     }
 
-    /// Chooses the restitution: the limit on inelastic collapse goes before the slide limit, that before the nominal values.
+    /// Chooses the restitution, none for a lossless collision: the limit on inelastic collapse goes before the slide limit,
+    /// that before the nominal values.
     #[inline(always)]
     #[expect(clippy::too_many_arguments, reason = "one call, split off to be read alone")]
     fn restitution<const SPIN: bool>(
@@ -222,13 +228,12 @@ impl Drift {
         spins: [Vector3<f64>; 2],
         parameters: &HardSphereParameters,
         counts: &mut CollisionCounts,
-    ) -> Restitution {
-        counts.collisions += 1;
+    ) -> Option<Restitution> {
         let [one, two] = [&self.balls[i], &self.balls[j]];
         let [mark_one, mark_two] = [&self.marks[i], &self.marks[j]];
         if mark_one.collisions.max(mark_two.collisions) >= parameters.max_collisions_per_sphere {
             counts.capped += 1;
-            return Restitution::ELASTIC;
+            return None;
         }
         let v = two.velocity() - one.velocity();
         // Radial velocity as it was at the start of the step on the present lines, as in the published rule; squared, with
@@ -241,7 +246,7 @@ impl Drift {
         };
         if collapsed(mark_one, one) | collapsed(mark_two, two) {
             counts.collapse += 1;
-            return Restitution::ELASTIC;
+            return None;
         }
         let speed2 = match parameters.slide_velocity {
             SlideVelocity::Surface if SPIN => surface_velocity([one, two], spins, normal).norm_squared(),
@@ -250,10 +255,10 @@ impl Drift {
         let escape2 = 2.0 * G * (one.mass() + two.mass());
         if speed2 * (one.radius() + two.radius()) < parameters.slide_limit * parameters.slide_limit * escape2 {
             counts.slide += 1;
-            return Restitution::ELASTIC;
+            return None;
         }
         counts.nominal += 1;
-        Restitution { normal: parameters.restitution_normal, tangential: parameters.restitution_tangential }
+        Some(Restitution { normal: parameters.restitution_normal, tangential: parameters.restitution_tangential })
     }
 
     /// Predicts the next event of sphere `i` from `now` on.

@@ -53,10 +53,13 @@ impl Leash {
 /// Neighbours of every sphere that it could meet.
 #[derive(Debug, Default)]
 pub(super) struct Neighbours {
-    /// Row `i` is `rows[starts[i]..starts[i + 1]]`, a multiple of [`LANES`] long.
+    /// Row `i` is `rows[starts[i]..starts[i + 1]]`.
     starts: Vec<u32>,
-    /// Neighbours; filled up with the index one past the last sphere.
-    rows: Vec<u32>,
+    /// Neighbours in groups that are looked at together; the last one of a row is filled up with the index one past the
+    /// last sphere.
+    rows: Vec<[u32; LANES]>,
+    /// How many neighbours each sphere has; used while the rows are filled.
+    degrees: Vec<u32>,
     leashes: Vec<Leash>,
     /// Radius, leash and own course together: two spheres further apart than the sum of these cannot meet.
     reaches: Vec<Reach>,
@@ -117,7 +120,7 @@ impl RigidMotion {
 impl Neighbours {
     /// The neighbours that sphere `i` could meet.
     #[inline]
-    pub fn of(&self, i: usize) -> &[u32] {
+    pub fn of(&self, i: usize) -> &[[u32; LANES]] {
         &self.rows[self.starts[i] as usize..self.starts[i + 1] as usize]
     }
 
@@ -218,30 +221,27 @@ impl Neighbours {
     }
 
     fn fill_rows(&mut self, count: usize) {
-        self.starts.clear();
-        self.starts.resize(count + 1, 0);
+        self.degrees.clear();
+        self.degrees.resize(count, 0);
         for &(i, j) in &self.pairs {
-            self.starts[i as usize] += 1;
-            self.starts[j as usize] += 1;
+            self.degrees[i as usize] += 1;
+            self.degrees[j as usize] += 1;
         }
-        let mut next = 0;
-        for start in &mut self.starts {
-            let degree = std::mem::replace(start, next);
-            next += degree.next_multiple_of(LANES as u32);
+        let mut end = 0;
+        self.starts.clear();
+        self.starts.push(end);
+        for degree in &mut self.degrees {
+            end += std::mem::take(degree).div_ceil(LANES as u32);
+            self.starts.push(end);
         }
         self.rows.clear();
-        self.rows.resize(next as usize, count as u32);
-        // Each start is moved to its row's end while the row is filled, and then put back.
+        self.rows.resize(end as usize, [count as u32; LANES]);
         for &(i, j) in &self.pairs {
-            for (from, to) in [(i, j), (j, i)] {
-                let place = &mut self.starts[from as usize];
-                self.rows[*place as usize] = to;
-                *place += 1;
+            for (from, to) in [(i as usize, j), (j as usize, i)] {
+                let at = self.degrees[from] as usize;
+                self.rows[self.starts[from] as usize + at / LANES][at % LANES] = to;
+                self.degrees[from] += 1;
             }
-        }
-        let mut start = 0;
-        for place in &mut self.starts {
-            start = std::mem::replace(place, start).next_multiple_of(LANES as u32);
         }
     }
 }

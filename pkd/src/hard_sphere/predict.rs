@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 /// No sphere.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// Neighbours looked at together: rows are padded to a multiple of this.
+/// Neighbours looked at together.
 pub(super) const LANES: usize = 4;
 
 /// The first meeting.
@@ -25,12 +25,11 @@ pub(super) struct Meeting {
 
 /// A way to look for the first meeting of a sphere.
 pub(super) trait Predict {
-    /// The earliest meeting from `now` (s of the step) on of sphere `i` with a neighbour of `row`, which is a multiple of
-    /// [`LANES`] long.
+    /// The earliest meeting from `now` (s of the step) on of sphere `i` with a neighbour of `row`.
     ///
     /// # Safety
     /// `i` and every entry of `row` must be indices of `balls`, and the processor must have what the implementation needs.
-    unsafe fn first_meeting(balls: &[Ball], i: usize, row: &[u32], now: f64) -> Meeting;
+    unsafe fn first_meeting(balls: &[Ball], i: usize, row: &[[u32; LANES]], now: f64) -> Meeting;
 
     /// [`Ball::deflect`], leaving the ball as [`Self::first_meeting`] is going to read it.
     ///
@@ -47,29 +46,17 @@ pub(super) struct Scalar;
 pub(super) struct Avx2;
 
 /// Time from now, s, until two spheres meet that are `r` apart (m), move at `v` relative to each other (m/s) and have radii that
-/// add up to `s` (m); infinite when they do not.
-#[inline]
-pub(super) fn delay(r: [f64; 3], v: [f64; 3], s: f64) -> f64 {
+/// add up to `s` (m). Negative if they overlap and approach; infinite if they recede, and not a number if they miss each
+/// other, so that it compares as later than any time.
+#[inline(always)]
+fn delay(r: [f64; 3], v: [f64; 3], s: f64) -> f64 {
     let b = r[0] * v[0] + r[1] * v[1] + r[2] * v[2];
     let v2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
     let c = r[0] * r[0] + r[1] * r[1] + r[2] * r[2] - s * s;
-    let disc = b * b - v2 * c;
-    if b < 0.0 && disc >= 0.0 { (c / (disc.sqrt() - b)).max(0.0) } else { f64::INFINITY }
+    if b < 0.0 { c / ((b * b - v2 * c).sqrt() - b) } else { f64::INFINITY }
 }
 
-/// The same leaving out one neighbour: seldom needed, so without vectors.
-#[cold]
-pub(super) fn first_meeting_but(skipped: u32, balls: &[Ball], i: usize, row: &[u32], now: f64) -> Meeting {
-    let mut first = Meeting { delay: f64::INFINITY, partner: NONE };
-    for &j in row {
-        let delay = delay_between(&balls[i], &balls[j as usize], now);
-        if j != skipped && delay < first.delay {
-            first = Meeting { delay, partner: j };
-        }
-    }
-    first
-}
-
+/// [`delay`] from `now` (s of the step) on.
 #[inline(always)]
 fn delay_between(one: &Ball, two: &Ball, now: f64) -> f64 {
     let v: [f64; 3] = std::array::from_fn(|a| one.course[a] - two.course[a]);
@@ -77,12 +64,25 @@ fn delay_between(one: &Ball, two: &Ball, now: f64) -> f64 {
     delay(r, v, one.radius() + two.radius())
 }
 
+/// The same leaving out one neighbour: seldom needed, so without vectors.
+#[cold]
+pub(super) fn first_meeting_but(skipped: u32, balls: &[Ball], i: usize, row: &[[u32; LANES]], now: f64) -> Meeting {
+    let mut first = Meeting { delay: f64::INFINITY, partner: NONE };
+    for &j in row.as_flattened() {
+        let delay = delay_between(&balls[i], &balls[j as usize], now);
+        if j != skipped && delay < first.delay {
+            first = Meeting { delay, partner: j };
+        }
+    }
+    Meeting { delay: first.delay.max(0.0), ..first }
+}
+
 impl Predict for Scalar {
     #[inline(always)]
-    unsafe fn first_meeting(balls: &[Ball], i: usize, row: &[u32], now: f64) -> Meeting {
+    unsafe fn first_meeting(balls: &[Ball], i: usize, row: &[[u32; LANES]], now: f64) -> Meeting {
         // One earliest meeting a lane and a choice among lanes at the end, as the vectors have it: ties fall the same way.
         let mut lanes = [Meeting { delay: f64::INFINITY, partner: NONE }; LANES];
-        for four in row.chunks_exact(LANES) {
+        for four in row {
             for (lane, &j) in lanes.iter_mut().zip(four) {
                 let delay = delay_between(&balls[i], &balls[j as usize], now);
                 if delay < lane.delay {
@@ -90,10 +90,9 @@ impl Predict for Scalar {
                 }
             }
         }
-        lanes
-            .into_iter()
-            .reduce(|best, lane| if lane.delay < best.delay { lane } else { best })
-            .expect("LANES is not 0")
+        let [first, others @ ..] = lanes;
+        let first = others.into_iter().fold(first, |best, lane| if lane.delay < best.delay { lane } else { best });
+        Meeting { delay: first.delay.max(0.0), ..first }
     }
 
     #[inline(always)]
@@ -105,7 +104,7 @@ impl Predict for Scalar {
 #[cfg(target_arch = "x86_64")]
 impl Predict for Avx2 {
     #[inline(always)]
-    unsafe fn first_meeting(balls: &[Ball], i: usize, row: &[u32], now: f64) -> Meeting {
+    unsafe fn first_meeting(balls: &[Ball], i: usize, row: &[[u32; LANES]], now: f64) -> Meeting {
         // SAFETY: the caller vouches for the same.
         unsafe { first_meeting_avx2(balls, i, row, now) }
     }
@@ -124,11 +123,9 @@ impl Predict for Avx2 {
 #[cfg(target_arch = "x86_64")]
 #[inline]
 #[target_feature(enable = "avx2")]
-unsafe fn first_meeting_avx2(balls: &[Ball], i: usize, row: &[u32], now: f64) -> Meeting {
+unsafe fn first_meeting_avx2(balls: &[Ball], i: usize, row: &[[u32; LANES]], now: f64) -> Meeting {
     use std::arch::x86_64::*;
-    debug_assert!(
-        i < balls.len() && row.iter().all(|&j| (j as usize) < balls.len()) && row.len().is_multiple_of(LANES)
-    );
+    debug_assert!(i < balls.len() && row.as_flattened().iter().all(|&j| (j as usize) < balls.len()));
     // SAFETY: the caller vouches for the indices; a ball is eight f64 in a row without padding.
     unsafe {
         let first = balls.as_ptr();
@@ -140,7 +137,7 @@ unsafe fn first_meeting_avx2(balls: &[Ball], i: usize, row: &[u32], now: f64) ->
         let [vx, vy, vz, _] = one.course.map(spread);
         let mut best = spread(f64::INFINITY);
         let mut partner = _mm256_set1_epi64x(i64::from(NONE));
-        for four in row.chunks_exact(LANES) {
+        for four in row {
             let ball = [0, 1, 2, 3].map(|k| first.add(four[k] as usize).cast::<f64>());
             // Places `at` and `at + 1` of the four records, one vector for each.
             let columns = |at: usize| {
@@ -162,9 +159,9 @@ unsafe fn first_meeting_avx2(balls: &[Ball], i: usize, row: &[u32], now: f64) ->
             let s = _mm256_add_pd(radius, jr);
             let c = _mm256_sub_pd(dot(rx, ry, rz, rx, ry, rz), _mm256_mul_pd(s, s));
             let disc = _mm256_sub_pd(_mm256_mul_pd(b, b), _mm256_mul_pd(v2, c));
-            let meets = _mm256_and_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(b, zero), _mm256_cmp_pd::<_CMP_GE_OQ>(disc, zero));
-            let delay = _mm256_max_pd(_mm256_div_pd(c, _mm256_sub_pd(_mm256_sqrt_pd(disc), b)), zero);
-            let earlier = _mm256_and_pd(meets, _mm256_cmp_pd::<_CMP_LT_OQ>(delay, best));
+            let delay = _mm256_div_pd(c, _mm256_sub_pd(_mm256_sqrt_pd(disc), b));
+            let approach = _mm256_cmp_pd::<_CMP_LT_OQ>(b, zero);
+            let earlier = _mm256_and_pd(approach, _mm256_cmp_pd::<_CMP_LT_OQ>(delay, best));
             best = _mm256_blendv_pd(best, delay, earlier);
             let j = _mm256_cvtepu32_epi64(_mm_loadu_si128(four.as_ptr().cast()));
             partner = _mm256_blendv_epi8(partner, j, _mm256_castpd_si256(earlier));
@@ -174,7 +171,7 @@ unsafe fn first_meeting_avx2(balls: &[Ball], i: usize, row: &[u32], now: f64) ->
         let lane = _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_EQ_OQ>(best, least)).trailing_zeros() as usize;
         let mut partners = [0_u64; LANES];
         _mm256_storeu_si256(partners.as_mut_ptr().cast(), partner);
-        Meeting { delay: _mm256_cvtsd_f64(least), partner: partners[lane % LANES] as u32 }
+        Meeting { delay: _mm256_cvtsd_f64(least).max(0.0), partner: partners[lane % LANES] as u32 }
     }
 }
 
@@ -201,30 +198,37 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
+    /// When ball 0 meets ball 1, in seconds from now.
+    fn meeting(r: [f64; 3], v: [f64; 3]) -> f64 {
+        let balls = [Ball::new(r, 1.0, v, 1.0), Ball::new([0.0; 3], 1.0, [0.0; 3], 1.0), Ball::NOWHERE];
+        // SAFETY: all indices are within the balls; nothing else is needed.
+        unsafe { Scalar::first_meeting(&balls, 0, &[[1, 2, 2, 2]], 0.0).delay }
+    }
+
     #[test]
     fn unit_spheres_ten_apart_closing_at_two_meet_after_four_seconds() {
-        assert_eq!(delay([10.0, 0.0, 0.0], [-2.0, 0.0, 0.0], 2.0), 4.0);
+        assert_eq!(meeting([10.0, 0.0, 0.0], [-2.0, 0.0, 0.0]), 4.0);
     }
 
     #[test]
     fn grazing_is_the_last_meeting_and_beyond_it_there_is_none() {
         // impact parameter 2 = R1 + R2: the discriminant is exactly zero, contact at closest approach
-        assert_eq!(delay([10.0, 2.0, 0.0], [-2.0, 0.0, 0.0], 2.0), 5.0);
-        assert_eq!(delay([10.0, 2.0 + 1e-12, 0.0], [-2.0, 0.0, 0.0], 2.0), f64::INFINITY);
-        assert!(delay([10.0, 2.0 - 1e-12, 0.0], [-2.0, 0.0, 0.0], 2.0) < 5.0);
+        assert_eq!(meeting([10.0, 2.0, 0.0], [-2.0, 0.0, 0.0]), 5.0);
+        assert_eq!(meeting([10.0, 2.0 + 1e-12, 0.0], [-2.0, 0.0, 0.0]), f64::INFINITY);
+        assert!(meeting([10.0, 2.0 - 1e-12, 0.0], [-2.0, 0.0, 0.0]) < 5.0);
     }
 
     #[test]
     fn overlapping_spheres_meet_now_if_they_approach_and_never_if_they_recede() {
-        assert_eq!(delay([1.9, 0.0, 0.0], [-2.0, 0.0, 0.0], 2.0), 0.0);
-        assert_eq!(delay([1.9, 0.0, 0.0], [2.0, 0.0, 0.0], 2.0), f64::INFINITY);
+        assert_eq!(meeting([1.9, 0.0, 0.0], [-2.0, 0.0, 0.0]), 0.0);
+        assert_eq!(meeting([1.9, 0.0, 0.0], [2.0, 0.0, 0.0]), f64::INFINITY);
     }
 
     /// The textbook form of the root would lose all digits here: both of its terms are 2 and differ by 1e-9.
     #[test]
     fn a_gap_of_a_billionth_of_the_radius_keeps_its_digits() {
         let gap = 2.0_f64.powi(-30);
-        let found = delay([2.0 + gap, 0.0, 0.0], [-1.0, 0.0, 0.0], 2.0);
+        let found = meeting([2.0 + gap, 0.0, 0.0], [-1.0, 0.0, 0.0]);
         // round-off of r² and s²: 4 eps of a difference of 4 gap
         assert!((found / gap - 1.0).abs() < 2.0 * f64::EPSILON / gap, "{found} {gap}");
     }
@@ -245,13 +249,12 @@ mod tests {
                 })
                 .collect();
             balls.push(Ball::NOWHERE);
-            let row: Vec<u32> = (1..=13).chain([13; 3]).collect();
-            for (i, row) in [(0, &row[..]), (0, &row[..8]), (0, &[])] {
+            let rows = [[1, 2, 3, 4], [5, 6, 7, 8], [9, 10, 11, 12], [13; 4]];
+            for row in [&rows[..], &rows[..2], &[]] {
+                prop_assume!(is_x86_feature_detected!("avx2"));
                 // SAFETY: rows are within the balls, and the processor was asked.
-                let (found, expected) = unsafe {
-                    prop_assume!(is_x86_feature_detected!("avx2"));
-                    (Avx2::first_meeting(&balls, i, row, now), Scalar::first_meeting(&balls, i, row, now))
-                };
+                let (found, expected) =
+                    unsafe { (Avx2::first_meeting(&balls, 0, row, now), Scalar::first_meeting(&balls, 0, row, now)) };
                 prop_assert_eq!(found, expected);
             }
         }

@@ -91,7 +91,7 @@ impl Repair {
     fn overlap(&self, i: usize) -> (f64, usize) {
         let one = &self.balls[i];
         let mut deepest = (0.0_f64, i);
-        for &j in self.neighbours.of(i) {
+        for &j in self.neighbours.of(i).as_flattened() {
             let two = &self.balls[j as usize];
             let touch = one.radius() + two.radius();
             let r2 = (two.origin() - one.origin()).norm_squared();
@@ -142,8 +142,8 @@ impl Repair {
     /// Looks at sphere `i`, which has moved, and at its neighbours again.
     fn compare_again(&mut self, i: usize) {
         self.deepest.set(i, self.overlap(i).0.recip());
-        for at in 0..self.neighbours.of(i).len() {
-            let j = self.neighbours.of(i)[at] as usize;
+        for at in 0..self.neighbours.of(i).as_flattened().len() {
+            let j = self.neighbours.of(i).as_flattened()[at] as usize;
             if j < self.spins.len() {
                 self.deepest.set(j, self.overlap(j).0.recip());
             }
