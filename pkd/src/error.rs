@@ -71,4 +71,7 @@ pub enum PkdError {
         /// How many spheres.
         spheres: usize,
     },
+    /// The caller asked to stop.
+    #[error("stopped on request")]
+    Stopped,
 }

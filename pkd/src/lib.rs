@@ -7,6 +7,7 @@ mod cells;
 pub mod clusters;
 pub mod constants;
 pub mod effective_potential;
+pub mod equilibrium;
 mod error;
 pub mod frame;
 pub mod gravity;
