@@ -43,8 +43,15 @@ fn main() {
 fn check_of_a_spin_that_the_body_bears() {
     let Body { scene, state, shape, .. } = &*BODY;
     let mut engine = engine(scene);
-    let check =
-        check_spin(&mut engine, scene, state, 0.999 * state.omega, &shape.record, &mut Silent, Progress::Building);
+    let check = check_spin(
+        &mut engine,
+        scene,
+        state,
+        0.999 * state.omega,
+        &shape.record,
+        &mut Silent,
+        Progress::Building { stretches: 0 },
+    );
     assert!(check.expect("the body bears it").movement.is_none());
 }
 

@@ -53,7 +53,9 @@ impl Reporter {
 impl Observer for Reporter {
     fn progress(&mut self, progress: Progress) {
         match progress {
-            Progress::Building => self.show(0.0, "building the aggregate"),
+            Progress::Building { stretches } => {
+                self.show(0.0, &format!("compacting the aggregate, stretch {}", stretches + 1))
+            }
             Progress::Settling { rotations } => self.show(0.0, &format!("settling, rotation {rotations}")),
             Progress::Evolving { t_s, end_s, omega, obliquity, legs, movements } => {
                 let period_h = std::f64::consts::TAU / omega / 3600.0;

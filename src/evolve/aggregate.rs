@@ -4,19 +4,21 @@ use std::path::PathBuf;
 
 use nalgebra::Vector3;
 use pkd::Spheres;
+use pkd::equilibrium::compact_ellipsoid;
 use pkd::frame::{set_rigid_rotation, to_principal_axes};
-use pkd::hard_sphere::repair_overlaps;
-use pkd::packing::{
-    EllipsoidPacking, Grain, PACKING_FRACTION, Seed, carve, ellipsoid_packing, hcp_lattice, random_fill,
-};
+use pkd::hard_sphere::{HardSphereParameters, repair_overlaps};
+use pkd::packing::{EllipsoidPacking, Grain, PACKING_FRACTION, Seed, carve, hcp_lattice, random_fill};
 use tiling::inside::Inside;
 
-use super::{EvolveError, Observer};
+use super::{EvolveError, Observer, Progress};
 use crate::exchange::{read_aggregate, read_mesh};
-use crate::scene::{Body, CarvedMesh, PackedEllipsoid, Packing, SceneFile};
+use crate::scene::{Body, CarvedMesh, PackedEllipsoid, Packing, Scene, SceneFile};
 
 /// Random numbers of the body come from this stream of the scene's seed.
 const BODY_STREAM: u64 = 0;
+
+/// Axis ratios farther than this from the scene's are told to the user.
+const RATIO_WARNING: f64 = 0.03;
 
 /// Constructs the body of `scene` in its principal-axis frame.
 ///
@@ -27,6 +29,7 @@ const BODY_STREAM: u64 = 0;
 pub fn aggregate(scene: &SceneFile, observer: &mut dyn Observer) -> Result<Spheres, EvolveError> {
     construct(scene, observer).map_err(|error| match error {
         // What does not fit here is the scene's, not the integrator's.
+        EvolveError::Dynamics(pkd::PkdError::Stopped) => EvolveError::Interrupted,
         EvolveError::Dynamics(cause) => EvolveError::Aggregate(cause),
         other => other,
     })
@@ -35,7 +38,7 @@ pub fn aggregate(scene: &SceneFile, observer: &mut dyn Observer) -> Result<Spher
 fn construct(scene: &SceneFile, observer: &mut dyn Observer) -> Result<Spheres, EvolveError> {
     let seed = Seed { seed: scene.scene.seed, stream: BODY_STREAM };
     let mut spheres = match &scene.scene.body {
-        Body::PackedEllipsoid(body) => packed(body, seed)?,
+        Body::PackedEllipsoid(body) => packed(body, &scene.scene, seed, observer)?,
         Body::File(body) => from_file(scene.resolve(&body.path), scene, observer)?,
         Body::CarvedMesh(body) => carved(body, scene.resolve(&body.path), seed)?,
     };
@@ -47,15 +50,35 @@ fn construct(scene: &SceneFile, observer: &mut dyn Observer) -> Result<Spheres, 
     Ok(spheres)
 }
 
-fn packed(body: &PackedEllipsoid, seed: Seed) -> Result<Spheres, EvolveError> {
-    Ok(ellipsoid_packing(&EllipsoidPacking {
+/// Packs and compacts an ellipsoid until the compact body has the ratios wanted.
+fn packed(
+    body: &PackedEllipsoid,
+    scene: &Scene,
+    seed: Seed,
+    observer: &mut dyn Observer,
+) -> Result<Spheres, EvolveError> {
+    let asked = EllipsoidPacking {
         count: body.spheres as usize,
         grain: Grain { radius: body.radius_m, density: body.grain_density_kg_m3 },
         b_over_a: body.b_over_a,
         c_over_a: body.c_over_a,
         packing_fraction: PACKING_FRACTION,
         seed,
-    })?)
+    };
+    // The recipe of the collapse is fixed, so that scenes that differ in their contacts only start from the same spheres.
+    let contact = HardSphereParameters::default();
+    let compact = compact_ellipsoid(&asked, scene.spin.rate_rad_s(), &contact, |stretches| {
+        observer.progress(Progress::Building { stretches });
+        !observer.interrupted()
+    })?;
+    let (b, c) = (compact.b_over_a, compact.c_over_a);
+    if (b - body.b_over_a).abs().max((c - body.c_over_a).abs()) > RATIO_WARNING {
+        observer.warn(&format!(
+            "axis ratios of {} and {} were asked for; compaction at a period of {} h leads to {b:.3} and {c:.3}",
+            body.b_over_a, body.c_over_a, scene.spin.period_h
+        ));
+    }
+    Ok(compact.spheres)
 }
 
 fn from_file(path: PathBuf, scene: &SceneFile, observer: &mut dyn Observer) -> Result<Spheres, EvolveError> {

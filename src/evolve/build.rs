@@ -6,7 +6,7 @@ use tiling::hull::sphere_hull_volume;
 use super::aggregate::aggregate;
 use super::driver::engine;
 use super::settling::{begin, settle_block};
-use super::{EvolveError, Observer, Progress};
+use super::{EvolveError, Observer};
 use crate::scene::SceneFile;
 use crate::store::Stage;
 
@@ -28,7 +28,6 @@ pub struct Built {
 /// # Errors
 /// As a run: a wrong input, a numerical failure, a body that falls apart, or an interruption.
 pub fn build(scene: &SceneFile, settle: bool, observer: &mut dyn Observer) -> Result<Built, EvolveError> {
-    observer.progress(Progress::Building);
     let mut state = begin(&scene.scene, aggregate(scene, observer)?)?;
     let mut engine = engine(&scene.scene);
     let (mut rotations, mut settled) = (0, None);

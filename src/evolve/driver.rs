@@ -63,7 +63,6 @@ pub fn run(
     let fresh = if directory.join("run.sqlite").exists() {
         None
     } else {
-        observer.progress(Progress::Building);
         Some(ledger.time(Part::Build, || aggregate(scene, observer))?)
     };
     let (store, _) = RunStore::open(directory, &scene.scene, resume)?;

@@ -11,7 +11,6 @@ pub mod driver;
 mod error;
 pub mod movement;
 mod observer;
-pub mod orientation;
 pub mod relax;
 pub mod rigid;
 pub mod settling;

@@ -4,7 +4,10 @@
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Progress {
     /// The aggregate is being constructed.
-    Building,
+    Building {
+        /// Stretches of compaction done, over all attempts.
+        stretches: u32,
+    },
     /// One rotation of settling is done.
     Settling {
         /// Rotations done.
