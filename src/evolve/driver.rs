@@ -18,7 +18,7 @@ use super::rigid::rigid_cycle;
 use super::settling::{begin, losses, settle_block};
 use super::shedding::Breakup;
 use super::spin::{Leg, LegLimits, SpinState, StopReason, YEAR_S, integrate_leg};
-use crate::scene::{Scene, SceneFile};
+use crate::scene::{Body, Scene, SceneFile};
 use crate::store::*;
 
 /// Seconds in a million years of 365.25 days.
@@ -58,9 +58,11 @@ pub fn run(
     observer: &mut dyn Observer,
 ) -> Result<Summary, EvolveError> {
     let end_s = until_myr.unwrap_or(f64::INFINITY).min(scene.scene.evolution.duration_myr) * MYR_S;
-    // The body is made before the directory is touched, so that a wrong input leaves nothing behind.
+    // A body from a file is read before the directory is touched, so that a wrong input leaves nothing behind. Packing
+    // has no input that can be wrong and takes long, so it waits until the directory is ours.
     let mut ledger = Ledger::default();
-    let fresh = if directory.join("run.sqlite").exists() {
+    let packed = matches!(scene.scene.body, Body::PackedEllipsoid(_));
+    let fresh = if packed || directory.join("run.sqlite").exists() {
         None
     } else {
         Some(ledger.time(Part::Build, || aggregate(scene, observer))?)

@@ -53,7 +53,7 @@ pub enum SceneError {
         valid_up_to: usize,
     },
     /// Not JSON.
-    #[error("{at}: broken JSON at `{path}`: {message}")]
+    #[error("{at}: broken JSON{}: {message}", if matches!(path.as_str(), "." | "?") { String::new() } else { format!(" at `{path}`") })]
     Syntax {
         /// Where.
         at: Box<Location>,

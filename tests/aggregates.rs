@@ -1,0 +1,93 @@
+//! `yorp build`, `relax` and `rigid` as a user meets them.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+const SCENE: &str = r#"{
+  "body": {"packed_ellipsoid": {"spheres": 60, "radius_m": 50.2, "grain_density_kg_m3": 2960, "b_over_a": 0.8, "c_over_a": 0.7}},
+  "spin": {"period_h": 6}, "settling": {"rotations": 1, "max_rotations": 3}, "tiling": {"facets": 100},
+  "torque": {"obliquity_step_deg": 30}
+}"#;
+
+fn yorp(arguments: &[&dyn AsRef<std::ffi::OsStr>]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_yorp")).args(arguments.iter().map(|a| a.as_ref())).output().unwrap()
+}
+
+fn json(output: &Output) -> Value {
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+fn refused(output: &Output, message: &str) {
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{stderr}");
+    assert!(stderr.contains(message), "{stderr}");
+    assert!(output.stdout.is_empty());
+}
+
+fn scene(folder: &Path) -> std::path::PathBuf {
+    let file = folder.join("scene.json");
+    std::fs::write(&file, SCENE).unwrap();
+    file
+}
+
+#[test]
+fn a_built_aggregate_relaxes_alone_and_conserves_what_it_should() {
+    let folder = tempfile::tempdir().unwrap();
+    let body = folder.path().join("body.csv");
+    let built = json(&yorp(&[&"build", &scene(folder.path()), &"--out", &body, &"--json"]));
+    assert_eq!(built["spheres"], 60);
+    for ratio in [1, 2].map(|k| built["b1_axes_m"][k].as_f64().unwrap() / built["b1_axes_m"][0].as_f64().unwrap()) {
+        assert!((0.6..=0.9).contains(&ratio), "{built}");
+    }
+    let after = folder.path().join("after.vtp");
+    let relaxed = json(&yorp(&[&"relax", &body, &"--rotations", &"0.5", &"--out", &after, &"--json"]));
+    let number = |key: &str| relaxed[key].as_f64().unwrap_or_else(|| panic!("{key} in {relaxed}"));
+    assert!(number("angular_momentum_drift") < 1e-12 && number("momentum_drift") < 1e-12, "{relaxed}");
+    assert!(number("max_overlap_over_radius") < 1e-6 && number("contacts_per_sphere") > 3.0, "{relaxed}");
+    for key in
+        ["steps", "step_s", "seconds", "cpu_seconds", "energy_drift", "collisions", "moved_spheres", "shape_change"]
+    {
+        assert!(relaxed[key].is_number(), "{key} in {relaxed}");
+    }
+    assert!(relaxed["parts"].is_object());
+    assert!(after.metadata().unwrap().len() > 1000);
+}
+
+#[test]
+fn a_period_on_the_command_line_replaces_the_motion_in_the_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let pair = folder.path().join("pair.csv");
+    std::fs::write(&pair, "x_m,y_m,z_m,mass_kg,radius_m\n-50,0,0,1e9,50\n50,0,0,1e9,50\n").unwrap();
+    refused(&yorp(&[&"relax", &pair, &"--rotations", &"1"]), "does not rotate");
+    let result = json(&yorp(&[&"relax", &pair, &"--rotations", &"1", &"--period-h", &"10", &"--json"]));
+    assert_eq!(result["moved_spheres"], 0);
+    let still = json(&yorp(&[&"relax", &pair, &"--duration-s", &"100", &"--gravity", &"off", &"--json"]));
+    assert_eq!((&still["collisions"], &still["angular_momentum_drift"]), (&Value::from(0), &Value::Null));
+}
+
+#[test]
+fn wrong_aggregates_and_flags_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("body.csv");
+    std::fs::write(&file, "x_m,y_m,z_m,mass_kg,radius_m\n0,0,0,1e9,-50\n").unwrap();
+    refused(&yorp(&[&"relax", &file, &"--duration-s", &"10"]), "radius");
+    refused(&yorp(&[&"relax", &file]), "--duration-s");
+    refused(&yorp(&[&"relax", &file, &"--duration-s", &"-1"]), "above 0");
+    refused(&yorp(&[&"build", &scene(folder.path()), &"--out", &folder.path().join("body.xyz")]), ".csv");
+}
+
+#[test]
+fn the_cycle_of_a_rigid_body_ends_and_says_how() {
+    let top = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/shapes/top.obj");
+    let cycle = json(&yorp(&[&"rigid", &top, &"--period-h", &"5", &"--obliquity-deg", &"20", &"--json"]));
+    let end = cycle["end"].as_str().unwrap();
+    assert!(["spun_down", "infinite_spin_up", "stalled", "time_limit"].contains(&end), "{end}");
+    let spin = cycle["spin_rev_day"].as_array().unwrap();
+    assert!((spin[0].as_f64().unwrap() - 4.8).abs() < 1e-12);
+    let folder = tempfile::tempdir().unwrap();
+    let of_scene = json(&yorp(&[&"rigid", &scene(folder.path()), &"--json"]));
+    assert!(of_scene["max_spin_rev_day"].is_number() || of_scene["end"] == "infinite_spin_up");
+}
