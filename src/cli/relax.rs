@@ -17,7 +17,7 @@ use crate::scene::{Contact, Evolution};
 
 /// Arguments of `yorp relax`.
 #[derive(Debug, clap::Args)]
-#[command(group = clap::ArgGroup::new("length").required(true))]
+#[command(allow_negative_numbers = true, group = clap::ArgGroup::new("length").required(true))]
 pub(super) struct Arguments {
     /// The aggregate (CSV)
     aggregate: PathBuf,

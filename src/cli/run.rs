@@ -12,6 +12,7 @@ use crate::store::Part;
 
 /// Arguments of `yorp run`.
 #[derive(Debug, clap::Args)]
+#[command(allow_negative_numbers = true)]
 pub(super) struct Arguments {
     /// The scene file
     scene: PathBuf,
