@@ -162,7 +162,7 @@ impl Drift {
             let j = mark.partner as usize;
             if self.marks[j].collisions != mark.partner_collisions {
                 counts.repredictions += 1;
-                self.schedule::<P>(i, now, step);
+                self.schedule::<P, 1>([i], now, step);
                 continue;
             }
             self.collide::<P, SPIN>(i, j, now, parameters, counts);
@@ -170,8 +170,7 @@ impl Drift {
             if most > parameters.max_collisions_per_sphere.saturating_mul(RUNAWAY) {
                 return Err(if self.marks[i].collisions == most { i } else { j });
             }
-            self.schedule::<P>(i, now, step);
-            self.schedule::<P>(j, now, step);
+            self.schedule::<P, 2>([i, j], now, step);
         }
     }
 
@@ -261,19 +260,36 @@ impl Drift {
         Some(Restitution { normal: parameters.restitution_normal, tangential: parameters.restitution_tangential })
     }
 
-    /// Predicts the next event of sphere `i` from `now` on.
+    /// Predicts the next events of one or two spheres from `now` on. Two are taken through each stage together, because each
+    /// of them waits for the results of long divisions.
     #[inline(always)]
-    fn schedule<P: Predict>(&mut self, i: usize, now: f64, step: f64) {
-        let row = self.neighbours.of(i);
-        // SAFETY: the lists hold indices of balls, and `event_loop` chose a predictor of this processor.
-        let Meeting { delay, mut partner } = unsafe { P::first_meeting(&self.balls, i, row, now) };
+    fn schedule<P: Predict, const COUNT: usize>(&mut self, spheres: [usize; COUNT], now: f64, step: f64) {
+        let mut meetings = [Meeting { delay: f64::INFINITY, partner: NONE }; COUNT];
+        for k in 0..COUNT {
+            let row = self.neighbours.of(spheres[k]);
+            // SAFETY: the lists hold indices of balls, and `event_loop` chose a predictor of this processor.
+            meetings[k] = unsafe { P::first_meeting(&self.balls, spheres[k], row, now) };
+        }
+        let mut times = [0.0; COUNT];
+        for k in 0..COUNT {
+            times[k] = self.expect_meeting(spheres[k], meetings[k], now, step);
+        }
+        for k in 0..COUNT {
+            self.events.set(spheres[k], times[k]);
+        }
+    }
+
+    /// Notes whom sphere `i` meets first, or that it comes to the end of its leash before, and returns when (s of the step).
+    #[inline(always)]
+    fn expect_meeting(&mut self, i: usize, meeting: Meeting, now: f64, step: f64) -> f64 {
+        let Meeting { delay, mut partner } = meeting;
         let mut time = now + delay;
         let mut partner_collisions = 0;
         if let Some(mark) = self.marks.get(partner as usize) {
             partner_collisions = mark.collisions;
             // The pair that has just collided recedes. Should round-off see it otherwise, it would be resolved for ever.
             if mark.last == i as u32 && self.marks[i].last == partner {
-                let other = first_meeting_but(partner, &self.balls, i, row, now);
+                let other = first_meeting_but(partner, &self.balls, i, self.neighbours.of(i), now);
                 (time, partner) = (now + other.delay, other.partner);
                 partner_collisions = self.marks.get(partner as usize).map_or(0, |mark| mark.collisions);
             }
@@ -284,7 +300,7 @@ impl Drift {
         let mark = &mut self.marks[i];
         mark.partner = partner;
         mark.partner_collisions = partner_collisions;
-        self.events.set(i, time);
+        time
     }
 
     /// Makes the neighbour lists at time `now` and predicts everything anew.
@@ -294,7 +310,7 @@ impl Drift {
         self.neighbours.rebuild(&self.balls, motion, now, step);
         self.events.reset(self.marks.iter().map(|_| f64::INFINITY));
         for i in 0..self.marks.len() {
-            self.schedule::<P>(i, now, step);
+            self.schedule::<P, 1>([i], now, step);
         }
     }
 
