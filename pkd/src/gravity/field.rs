@@ -1,4 +1,4 @@
-//! The sources of gravity, laid out for vector units.
+//! The sources of gravity, laid out for vector registers.
 //!
 //! Coordinates are scaled by a power of two, which changes no digit of them, so that squared distances stay far inside
 //! the range of `f32`, where the vector kernels take their first guess of the inverse distance: for bodies of any size
@@ -6,41 +6,31 @@
 
 use crate::constants::G;
 
-/// Spheres per block; the last block is filled up with massless points.
+/// Spheres per block: what the widest registers hold.
 pub(super) const BLOCK: usize = 8;
 
-/// One quantity of one block of spheres, aligned for the widest vector registers.
+/// Eight sources side by side, one register per quantity, so that a kernel walks through memory in one line.
+#[derive(Debug, Clone, Copy)]
+#[repr(C, align(64))]
+pub(super) struct Sources {
+    /// Coordinates times the scale; all massless points lie together outside the rest.
+    pub at: [[f64; BLOCK]; 3],
+    /// G m times the square of the scale: over the square of a scaled distance this is an acceleration in m/s².
+    pub strength: [f64; BLOCK],
+}
+
+/// Accelerations of the spheres of a block by component, m/s².
 #[derive(Debug, Clone, Copy, Default)]
 #[repr(C, align(64))]
-pub(super) struct Block(pub [f64; BLOCK]);
+pub(super) struct Pull(pub [[f64; BLOCK]; 3]);
 
-/// One three-component quantity, or accelerations, by blocks.
-#[derive(Debug, Default)]
-pub(super) struct Blocks3 {
-    pub x: Vec<Block>,
-    pub y: Vec<Block>,
-    pub z: Vec<Block>,
-}
-
-impl Blocks3 {
-    /// `n` blocks of zeros.
-    pub fn clear(&mut self, n: usize) {
-        for component in [&mut self.x, &mut self.y, &mut self.z] {
-            component.clear();
-            component.resize(n, Block::default());
-        }
-    }
-}
-
-/// Scaled positions and strengths of all sources.
+/// All sources.
 #[derive(Debug, Default)]
 pub(super) struct Field {
     /// Number of spheres.
     pub len: usize,
-    /// Coordinates times the scale; all massless points lie together outside the rest.
-    pub at: Blocks3,
-    /// G m times the square of the scale: over the square of a scaled distance this is an acceleration in m/s².
-    pub strength: Vec<Block>,
+    /// The spheres by eights; the last block is filled up with massless points.
+    pub blocks: Vec<Sources>,
 }
 
 impl Field {
@@ -48,20 +38,22 @@ impl Field {
     pub fn fill(&mut self, coordinates: [&[f64]; 3], mass: &[f64]) {
         let largest = coordinates.iter().flat_map(|c| c.iter()).fold(0.0_f64, |m, c| m.max(c.abs()));
         let scale = scale(largest);
-        let outside = [4.0 * RANGE, 0.0, 0.0];
+        let massless = Sources { at: [[4.0 * RANGE; BLOCK], [0.0; BLOCK], [0.0; BLOCK]], strength: [0.0; BLOCK] };
         self.len = mass.len();
-        for ((to, from), fill) in
-            [&mut self.at.x, &mut self.at.y, &mut self.at.z].into_iter().zip(coordinates).zip(outside)
-        {
-            copy(to, from, scale, fill);
+        self.blocks.clear();
+        self.blocks.resize(self.len.div_ceil(BLOCK), massless);
+        for (b, block) in self.blocks.iter_mut().enumerate() {
+            let range = b * BLOCK..self.len.min((b + 1) * BLOCK);
+            for (to, from) in block.at.iter_mut().zip(coordinates) {
+                copy(to, &from[range.clone()], scale);
+            }
+            copy(&mut block.strength, &mass[range], G * scale * scale);
         }
-        copy(&mut self.strength, mass, G * scale * scale, 0.0);
     }
+}
 
-    /// Number of blocks.
-    pub fn blocks(&self) -> usize {
-        self.strength.len()
-    }
+fn copy(to: &mut [f64; BLOCK], from: &[f64], factor: f64) {
+    to.iter_mut().zip(from).for_each(|(to, from)| *to = from * factor);
 }
 
 /// Scaled coordinates are smaller than this: their squared distances then lie below 2⁷⁰, and centres 2⁻⁹⁰ of the
@@ -72,13 +64,4 @@ const RANGE: f64 = (1_u64 << 32) as f64;
 fn scale(largest: f64) -> f64 {
     let exponent = 31 - largest.log2().floor() as i32;
     if largest > 0.0 && exponent.abs() < 1000 { 2.0_f64.powi(exponent) } else { 1.0 }
-}
-
-fn copy(to: &mut Vec<Block>, from: &[f64], factor: f64, fill: f64) {
-    to.clear();
-    to.extend(from.chunks(BLOCK).map(|chunk| {
-        let mut block = Block([fill; BLOCK]);
-        chunk.iter().zip(&mut block.0).for_each(|(from, to)| *to = from * factor);
-        block
-    }));
 }

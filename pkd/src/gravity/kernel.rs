@@ -5,12 +5,14 @@
 //! 1/r³ = y³ (1 - e)^(-3/2) = y³ (1 + 3e/2 + 15e²/8 + ...), e = 1 - r² y²: since |e| < 2⁻²¹, what is left out is far
 //! below the round-off of `f64`.
 
-use super::field::{BLOCK, Blocks3, Field};
+use std::ops::Range;
+
+use super::field::{BLOCK, Field, Pull};
 
 /// Adds to `acc` what the pairs (i, j), i in the blocks `rows`, j > i, do to both members.
 ///
-/// `acc` starts at the block `rows.start`.
-pub(super) type Kernel = fn(field: &Field, rows: std::ops::Range<usize>, acc: &mut Blocks3);
+/// `acc` starts at the block `rows.start` and reaches to the last.
+pub(super) type Kernel = fn(field: &Field, rows: Range<usize>, acc: &mut [Pull]);
 
 /// The fastest kernel for this processor.
 pub(super) fn fastest() -> Kernel {
@@ -43,11 +45,11 @@ pub(super) fn available() -> Vec<Kernel> {
 }
 
 /// One pair at a time; the oracle of the other kernels.
-pub(super) fn plain(field: &Field, rows: std::ops::Range<usize>, acc: &mut Blocks3) {
+pub(super) fn plain(field: &Field, rows: Range<usize>, acc: &mut [Pull]) {
     let first = rows.start;
     for row in rows {
         within_block(field, row, first, acc);
-        for column in row + 1..field.blocks() {
+        for column in row + 1..field.blocks.len() {
             for i in 0..BLOCK {
                 for j in 0..BLOCK {
                     pair(field, [row, i], [column, j], first, acc);
@@ -58,7 +60,7 @@ pub(super) fn plain(field: &Field, rows: std::ops::Range<usize>, acc: &mut Block
 }
 
 /// The pairs inside one block, without the massless points.
-fn within_block(field: &Field, row: usize, first: usize, acc: &mut Blocks3) {
+fn within_block(field: &Field, row: usize, first: usize, acc: &mut [Pull]) {
     let real = BLOCK.min(field.len - row * BLOCK);
     for i in 0..real {
         for j in i + 1..real {
@@ -68,32 +70,30 @@ fn within_block(field: &Field, row: usize, first: usize, acc: &mut Blocks3) {
 }
 
 #[inline(always)]
-fn pair(field: &Field, [bi, i]: [usize; 2], [bj, j]: [usize; 2], first: usize, acc: &mut Blocks3) {
-    let at = &field.at;
-    let d = [&at.x, &at.y, &at.z].map(|c| c[bj].0[j] - c[bi].0[i]);
+fn pair(field: &Field, [bi, i]: [usize; 2], [bj, j]: [usize; 2], first: usize, acc: &mut [Pull]) {
+    let (one, other) = (&field.blocks[bi], &field.blocks[bj]);
+    let d = [0, 1, 2].map(|k| other.at[k][j] - one.at[k][i]);
     let r2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
     let inverse_cube = 1.0 / (r2 * r2.sqrt());
-    let on_i = field.strength[bj].0[j] * inverse_cube;
-    let on_j = field.strength[bi].0[i] * inverse_cube;
-    for (acc, d) in [&mut acc.x, &mut acc.y, &mut acc.z].into_iter().zip(d) {
-        acc[bi - first].0[i] += on_i * d;
-        acc[bj - first].0[j] -= on_j * d;
+    let (on_one, on_other) = (other.strength[j] * inverse_cube, one.strength[i] * inverse_cube);
+    for (k, d) in d.into_iter().enumerate() {
+        acc[bi - first].0[k][i] += on_one * d;
+        acc[bj - first].0[k][j] -= on_other * d;
     }
 }
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
     use std::arch::x86_64::*;
-    use std::ops::Range;
 
-    use super::super::field::Block;
+    use super::super::field::Sources;
     use super::*;
 
     /// A vector register of `f64`.
     ///
     /// # Safety
     /// All functions need the instruction set of the implementing type, and must be inlined into a function that is
-    /// compiled for it. `load` and `store` want `LANES` values that are aligned like a [`Block`].
+    /// compiled for it. `load` and `store` want `LANES` values that are aligned like a [`Pull`].
     trait Lanes: Copy {
         const LANES: usize;
         unsafe fn splat(value: f64) -> Self;
@@ -181,9 +181,9 @@ mod x86 {
         }
     }
 
-    pub fn avx512(field: &Field, rows: Range<usize>, acc: &mut Blocks3) {
+    pub fn avx512(field: &Field, rows: Range<usize>, acc: &mut [Pull]) {
         #[target_feature(enable = "avx512f,avx2,fma")]
-        unsafe fn compiled(field: &Field, rows: Range<usize>, acc: &mut Blocks3) {
+        unsafe fn compiled(field: &Field, rows: Range<usize>, acc: &mut [Pull]) {
             unsafe { sum::<__m512d, 4>(field, rows, acc) }
         }
         assert!(std::arch::is_x86_feature_detected!("avx512f"), "chosen for processors that have it");
@@ -191,10 +191,10 @@ mod x86 {
         unsafe { compiled(field, rows, acc) }
     }
 
-    pub fn avx2(field: &Field, rows: Range<usize>, acc: &mut Blocks3) {
+    pub fn avx2(field: &Field, rows: Range<usize>, acc: &mut [Pull]) {
         #[target_feature(enable = "avx2,fma")]
-        unsafe fn compiled(field: &Field, rows: Range<usize>, acc: &mut Blocks3) {
-            unsafe { sum::<__m256d, 2>(field, rows, acc) }
+        unsafe fn compiled(field: &Field, rows: Range<usize>, acc: &mut [Pull]) {
+            unsafe { sum::<__m256d, 4>(field, rows, acc) }
         }
         assert!(
             std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma"),
@@ -209,75 +209,121 @@ mod x86 {
     /// # Safety
     /// That of [`Lanes`].
     #[inline(always)]
-    unsafe fn sum<V: Lanes, const ROWS: usize>(field: &Field, rows: Range<usize>, acc: &mut Blocks3) {
-        let (first, blocks) = (rows.start, field.blocks());
-        assert!(rows.end <= blocks && acc.x.len() == blocks - first, "one block of accelerations per block of spheres");
-        assert!(acc.y.len() == acc.x.len() && acc.z.len() == acc.x.len());
+    unsafe fn sum<V: Lanes, const ROWS: usize>(field: &Field, rows: Range<usize>, acc: &mut [Pull]) {
+        let first = rows.start;
         for row in rows {
             within_block(field, row, first, acc);
+            let (done, later) = acc[row - first..].split_at_mut(1);
             for i in (0..BLOCK).step_by(ROWS) {
-                // SAFETY: the caller's; row < blocks, and all arrays have `blocks` blocks or as many as follow `first`.
-                let sums = unsafe { against_later_blocks::<V, ROWS>(field, row, i, first, acc) };
-                for (k, [x, y, z]) in sums.into_iter().enumerate() {
-                    acc.x[row - first].0[i + k] += x;
-                    acc.y[row - first].0[i + k] += y;
-                    acc.z[row - first].0[i + k] += z;
+                let own = std::array::from_fn(|k| Row::of(&field.blocks[row], i + k));
+                // SAFETY: the caller's.
+                let sums = unsafe { against::<V, ROWS>(own, &field.blocks[row + 1..], later) };
+                for (k, sum) in sums.into_iter().enumerate() {
+                    (0..3).for_each(|component| done[0].0[component][i + k] += sum[component]);
                 }
             }
         }
     }
 
+    /// One sphere: coordinates and strength.
+    #[derive(Clone, Copy)]
+    struct Row([f64; 4]);
+
+    impl Row {
+        fn of(block: &Sources, i: usize) -> Self {
+            Self([block.at[0][i], block.at[1][i], block.at[2][i], block.strength[i]])
+        }
+    }
+
+    /// Accelerations of the spheres `own` by all `others`, whose own ones are added to `acc`.
+    ///
+    /// The guess of 1/r has a long latency, so it is made one register ahead of its use.
+    ///
+    /// # Safety
+    /// That of [`Lanes`].
     #[inline(always)]
-    unsafe fn against_later_blocks<V: Lanes, const ROWS: usize>(
-        field: &Field,
-        row: usize,
-        i: usize,
-        first: usize,
-        acc: &mut Blocks3,
+    unsafe fn against<V: Lanes, const ROWS: usize>(
+        own: [Row; ROWS],
+        others: &[Sources],
+        acc: &mut [Pull],
     ) -> [[f64; 3]; ROWS] {
-        let from = |array: &[Block]| array[row + 1..].as_ptr().cast::<f64>();
-        let (xj, yj, zj, gj) = (from(&field.at.x), from(&field.at.y), from(&field.at.z), from(&field.strength));
-        let to = |array: &mut [Block]| array[row + 1 - first..].as_mut_ptr().cast::<f64>();
-        let (axj, ayj, azj) = (to(&mut acc.x), to(&mut acc.y), to(&mut acc.z));
-        let of_row = |array: &[Block], k: usize| array[row].0[i + k];
+        assert_eq!(others.len(), acc.len());
+        let registers = BLOCK / V::LANES;
+        let count = others.len() * registers;
+        if count == 0 {
+            return [[0.0; 3]; ROWS];
+        }
+        // SAFETY: the caller's for the instruction set; register v < count lies in block v / registers.
         unsafe {
-            let own: [[V; 4]; ROWS] = std::array::from_fn(|k| {
-                [&field.at.x, &field.at.y, &field.at.z, &field.strength].map(|a| V::splat(of_row(a, k)))
-            });
-            let mut sums = [[V::splat(0.0); 3]; ROWS];
             let (one, three_halves, fifteen_eighths) = (V::splat(1.0), V::splat(1.5), V::splat(1.875));
-            for at in (0..(field.blocks() - row - 1) * BLOCK).step_by(V::LANES) {
-                let (x, y, z, g) = (V::load(xj.add(at)), V::load(yj.add(at)), V::load(zj.add(at)), V::load(gj.add(at)));
-                let (mut ax, mut ay, mut az) = (V::load(axj.add(at)), V::load(ayj.add(at)), V::load(azj.add(at)));
-                for (own, sum) in own.iter().zip(&mut sums) {
-                    let (dx, dy, dz) = (x.minus(own[0]), y.minus(own[1]), z.minus(own[2]));
-                    let r2 = dx.times_plus(dx, dy.times_plus(dy, dz.times(dz)));
-                    let guess = r2.inverse_root_guess();
+            // Loops, as closures would be compiled for the instruction set of the crate and called.
+            let mut target = [[one; 4]; ROWS];
+            let mut ahead = [Approach { d: [one; 3], r2: one, guess: one }; ROWS];
+            for k in 0..ROWS {
+                let Row([x, y, z, strength]) = own[k];
+                target[k] = [V::splat(x), V::splat(y), V::splat(z), V::splat(strength)];
+                ahead[k] = Approach::of(target[k], others.as_ptr().cast());
+            }
+            let mut sums = [[V::splat(0.0); 3]; ROWS];
+            for v in 0..count {
+                let (next, lane) = ((v + 1).min(count - 1), v % registers * V::LANES);
+                let next = others.as_ptr().add(next / registers).cast::<f64>().add(next % registers * V::LANES);
+                let strength = V::load(others.as_ptr().add(v / registers).cast::<f64>().add(3 * BLOCK + lane));
+                let pull = acc.as_mut_ptr().add(v / registers).cast::<f64>().add(lane);
+                let mut p = [V::load(pull), V::load(pull.add(BLOCK)), V::load(pull.add(2 * BLOCK))];
+                for k in 0..ROWS {
+                    let Approach { d, r2, guess } = ahead[k];
+                    ahead[k] = Approach::of(target[k], next);
                     let guess2 = guess.times(guess);
                     let e = r2.times_from(guess2, one);
-                    let cube =
-                        guess2.times(guess).times(e.times_plus(e.times_plus(fifteen_eighths, three_halves), one));
-                    let (on_own, on_other) = (cube.times(g), cube.times(own[3]));
-                    sum[0] = dx.times_plus(on_own, sum[0]);
-                    sum[1] = dy.times_plus(on_own, sum[1]);
-                    sum[2] = dz.times_plus(on_own, sum[2]);
-                    ax = dx.times_from(on_other, ax);
-                    ay = dy.times_from(on_other, ay);
-                    az = dz.times_from(on_other, az);
+                    let series = e.times_plus(e.times_plus(fifteen_eighths, three_halves), one);
+                    let inverse_cube = guess2.times(guess).times(series);
+                    let (on_own, on_other) = (inverse_cube.times(strength), inverse_cube.times(target[k][3]));
+                    for c in 0..3 {
+                        sums[k][c] = d[c].times_plus(on_own, sums[k][c]);
+                        p[c] = d[c].times_from(on_other, p[c]);
+                    }
                 }
-                ax.store(axj.add(at));
-                ay.store(ayj.add(at));
-                az.store(azj.add(at));
+                p[0].store(pull);
+                p[1].store(pull.add(BLOCK));
+                p[2].store(pull.add(2 * BLOCK));
             }
-            sums.map(|components| components.map(|v| total(v)))
+            let mut totals = [[0.0; 3]; ROWS];
+            for k in 0..ROWS {
+                for c in 0..3 {
+                    totals[k][c] = total(sums[k][c]);
+                }
+            }
+            totals
+        }
+    }
+
+    /// Distance vectors from one sphere to a register of others, their squares, and guesses of 1/r.
+    #[derive(Clone, Copy)]
+    struct Approach<V> {
+        d: [V; 3],
+        r2: V,
+        guess: V,
+    }
+
+    impl<V: Lanes> Approach<V> {
+        #[inline(always)]
+        unsafe fn of(own: [V; 4], source: *const f64) -> Self {
+            unsafe {
+                let dx = V::load(source).minus(own[0]);
+                let dy = V::load(source.add(BLOCK)).minus(own[1]);
+                let dz = V::load(source.add(2 * BLOCK)).minus(own[2]);
+                let r2 = dx.times_plus(dx, dy.times_plus(dy, dz.times(dz)));
+                Self { d: [dx, dy, dz], r2, guess: r2.inverse_root_guess() }
+            }
         }
     }
 
     /// Sum over the lanes, in order.
     #[inline(always)]
     unsafe fn total<V: Lanes>(v: V) -> f64 {
-        let mut lanes = Block::default();
-        unsafe { v.store(lanes.0.as_mut_ptr()) };
-        lanes.0[..V::LANES].iter().sum()
+        let mut lanes = Pull::default();
+        unsafe { v.store(lanes.0[0].as_mut_ptr()) };
+        lanes.0[0][..V::LANES].iter().sum()
     }
 }

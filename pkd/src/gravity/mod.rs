@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 use crate::Spheres;
 use crate::constants::G;
-use field::{BLOCK, Blocks3, Field};
+use field::{BLOCK, Field, Pull};
 use kernel::Kernel;
 
 /// Accelerations, m/s², one array per component, each `N` long.
@@ -39,7 +39,7 @@ pub struct DirectGravity {
 #[derive(Debug)]
 struct Strip {
     rows: Range<usize>,
-    acc: Blocks3,
+    acc: Vec<Pull>,
 }
 
 impl Default for DirectGravity {
@@ -62,7 +62,8 @@ impl DirectGravity {
         self.cut_strips();
         let (kernel, field) = (self.kernel, &self.field);
         let sum = |strip: &mut Strip| {
-            strip.acc.clear(field.blocks() - strip.rows.start);
+            strip.acc.clear();
+            strip.acc.resize(field.blocks.len() - strip.rows.start, Pull::default());
             kernel(field, strip.rows.clone(), &mut strip.acc);
         };
         if self.strips.len() > 1 && rayon::current_num_threads() > 1 {
@@ -75,8 +76,7 @@ impl DirectGravity {
             out.clear();
             out.resize(n, 0.0);
             for strip in &self.strips {
-                let acc = [&strip.acc.x, &strip.acc.y, &strip.acc.z][component];
-                let acc = acc.iter().flat_map(|block| &block.0);
+                let acc = strip.acc.iter().flat_map(|pull| &pull.0[component]);
                 out[strip.rows.start * BLOCK..].iter_mut().zip(acc).for_each(|(out, a)| *out += a);
             }
         }
@@ -84,11 +84,11 @@ impl DirectGravity {
 
     /// Divides the rows of blocks into strips of about equal numbers of pairs: a function of the size alone.
     fn cut_strips(&mut self) {
-        let blocks = self.field.blocks();
+        let blocks = self.field.blocks.len();
         let count = (blocks / BLOCKS_PER_STRIP).clamp(1, MAX_STRIPS);
         // Of the triangle of pairs, the first k rows hold the share 1 - (1 - k / blocks)².
         let cut = |s: usize| (blocks as f64 * (1.0 - (1.0 - s as f64 / count as f64).sqrt())).round() as usize;
-        self.strips.resize_with(count, || Strip { rows: 0..0, acc: Blocks3::default() });
+        self.strips.resize_with(count, || Strip { rows: 0..0, acc: Vec::new() });
         self.strips.iter_mut().enumerate().for_each(|(s, strip)| strip.rows = cut(s)..cut(s + 1));
     }
 
