@@ -4,8 +4,8 @@
 //! angle, and `mu0 = sin lat sin dec + cos lat cos dec cos H`. The horizon is a closed polygon of great-circle arcs on the
 //! sky, and a day is a circle of constant declination: it is dark where the circle is outside the polygon. So the times
 //! of sunrise and sunset of all declinations come from one walk round the polygon, without any step in time, and the
-//! lit arcs between them are integrated by Gauss quadrature. No grid of hour angles, hence no aliasing. What leans over
-//! is a box on the sky, one azimuth of the map wide, with a walk of its own.
+//! lit arcs between them are integrated by Gauss quadrature. No grid of hour angles, hence no aliasing. Only the few arcs
+//! that may pass behind something that leans over are searched in steps of one azimuth of the map.
 //!
 //! Averages: `tau_z`, the torque along the spin axis, and `tau_u`, that along the Sun's equatorial direction. The third
 //! component precesses the spin axis and is left out.
@@ -13,7 +13,7 @@
 use crate::arc::{Arcs, Lit};
 use crate::declination::Declinations;
 use crate::facets::Facet;
-use crate::horizon::{Horizon, Overhang, direction};
+use crate::horizon::{Horizon, STEEPEST, direction, rough_azimuth};
 use crate::recoil::RecoilKernel;
 use crate::sky::SkyView;
 use std::f64::consts::{PI, TAU};
@@ -30,26 +30,22 @@ pub(crate) struct Day<'a, K> {
     crossings: Vec<Vec<Crossing>>,
 }
 
-/// Longest piece of the side of a box, rad: a circle of declination may cross a longer arc twice.
-const PIECE: f64 = 0.05;
-
-/// What a polygon on the sky encloses.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Region {
-    /// The sky above the horizon.
-    AboveHorizon,
-    /// The sky behind something that leans over.
-    Covered,
-}
-
-/// Where the outline of a region meets a circle of constant declination.
+/// Where the horizon meets a circle of constant declination.
 #[derive(Debug, Clone, Copy)]
 struct Crossing {
     hour_angle: f64,
-    region: Region,
-    /// +1 where the Sun enters the region as the hour angle grows, -1 where it leaves.
+    /// +1 where the Sun rises as the hour angle grows, -1 where it sets.
     step: i32,
 }
+
+/// Longest piece of the horizon, rad, where it rises or falls steeply: a circle of declination may meet a longer one twice.
+const PIECE: f64 = 0.1;
+
+/// Crossings closer to each other than this may be in the wrong order, rad.
+const SAME_TIME: f64 = 1e-5;
+
+/// Halvings of a step in search of the edge of what leans over: to 1e-8 rad.
+const HALVINGS: usize = 22;
 
 impl<'a, K: RecoilKernel> Day<'a, K> {
     pub fn new(kernel: &'a K, declinations: &'a Declinations) -> Self {
@@ -79,7 +75,7 @@ impl<'a, K: RecoilKernel> Day<'a, K> {
         }
     }
 
-    /// Finds where the horizon and what leans over cross each declination.
+    /// Finds where the horizon crosses each declination.
     fn walk_horizon(&mut self, facet: &Facet, horizon: &Horizon) {
         let n = horizon.tan_elevation.len();
         if self.azimuths.len() != n {
@@ -87,18 +83,16 @@ impl<'a, K: RecoilKernel> Day<'a, K> {
         }
         self.crossings.iter_mut().for_each(Vec::clear);
         self.polygon.clear();
-        let corners = self.azimuths.iter().zip(&horizon.tan_elevation);
-        self.polygon.extend(corners.map(|(azimuth, &t)| on_sky(facet, *azimuth, f64::from(t))));
-        self.walk(Region::AboveHorizon);
-        for overhang in &horizon.overhangs {
-            self.polygon.clear();
-            outline(facet, overhang, n, &mut self.polygon);
-            self.walk(Region::Covered);
+        let mut last: Option<[f64; 3]> = None;
+        let corners = self.azimuths.iter().zip(&horizon.tan_elevation).map(|(az, &t)| on_sky(facet, *az, f64::from(t)));
+        // The first corner comes again, to close the polygon with pieces as short as the others.
+        let first = on_sky(facet, self.azimuths[0], f64::from(horizon.tan_elevation[0]));
+        for to in corners.chain([first]) {
+            if let Some(from) = last {
+                add_pieces(&from, &to, &mut self.polygon);
+            }
+            last = Some(to);
         }
-    }
-
-    /// Walks round the polygon, which runs counter-clockwise seen from outside the sphere.
-    fn walk(&mut self, region: Region) {
         let sin_dec = &self.declinations.sin;
         let mut from = self.polygon[self.polygon.len() - 1];
         // How many declinations lie south of the corner; neighbours differ by little.
@@ -111,10 +105,11 @@ impl<'a, K: RecoilKernel> Day<'a, K> {
             while south > 0 && sin_dec[south - 1] >= to[2] {
                 south -= 1;
             }
-            // The region is on the left: going north it is to the west, at earlier hour angles, so the Sun leaves it.
+            // The polygon runs counter-clockwise seen from outside the sphere, its lit inside on the left: going north that is
+            // to the west, at earlier hour angles, so the Sun sets.
             let (range, step) = if south > before { (before..south, -1) } else { (south..before, 1) };
             for j in range {
-                self.crossings[j].push(Crossing { hour_angle: crossing(&from, &to, sin_dec[j]), region, step });
+                self.crossings[j].push(Crossing { hour_angle: crossing(&from, &to, sin_dec[j]), step });
             }
             from = to;
         }
@@ -125,41 +120,92 @@ impl<'a, K: RecoilKernel> Day<'a, K> {
         let (sin_dec, cos_dec) = (self.declinations.sin[j], self.declinations.cos[j]);
         let (a, b) = (facet.sin_lat * sin_dec, facet.cos_lat * cos_dec);
         let mut crossings = std::mem::take(&mut self.crossings[j]);
-        let order = |c: &Crossing| (c.region, c.step);
-        crossings.sort_unstable_by(|x, y| x.hour_angle.total_cmp(&y.hour_angle).then(order(x).cmp(&order(y))));
-        // Entries and exits alternate up to round-off between neighbours; counting levels from the lowest forgives that.
-        let start = |region: Region| {
-            let mut level = 0;
-            let steps = crossings.iter().filter(|c| c.region == region);
-            let lowest = steps.fold(None, |lowest: Option<i32>, c| {
-                level += c.step;
-                Some(lowest.map_or(level, |l| l.min(level)).min(0))
-            });
-            lowest.map_or_else(|| i32::from(culminates_in(region, facet, horizon, sin_dec, cos_dec)), |l| -l)
-        };
-        let (mut above, mut covered) = (start(Region::AboveHorizon), start(Region::Covered));
-        let mut since = match crossings.last() {
-            // The arc through midnight begins a turn earlier.
-            Some(last) => last.hour_angle - TAU,
-            None => {
-                if above > 0 && covered == 0 {
-                    self.arcs.add(a, b, 0.0, PI, lit);
-                }
-                0.0
+        crossings.sort_unstable_by(|x, y| x.hour_angle.total_cmp(&y.hour_angle).then(x.step.cmp(&y.step)));
+        // The arc through midnight begins a turn earlier.
+        let midnight = crossings.last().map_or(-PI, |c| c.hour_angle - TAU);
+        let sun = |hour_angle: f64| [cos_dec * hour_angle.cos(), cos_dec * hour_angle.sin(), sin_dec];
+        let mut up = up_before_first(&crossings, midnight, |hour_angle| is_above(facet, horizon, sun(hour_angle)));
+        let arcs = &self.arcs;
+        let mut add = |from: f64, to: f64| {
+            if horizon.overhangs.is_empty() {
+                arcs.add(a, b, 0.5 * (from + to), 0.5 * (to - from), lit);
+            } else {
+                let covered = |hour_angle: f64| is_covered(facet, horizon, sun(hour_angle));
+                let step = TAU / horizon.tan_elevation.len() as f64;
+                for_each_free(from, to, step, covered, |from, to| {
+                    arcs.add(a, b, 0.5 * (from + to), 0.5 * (to - from), lit);
+                });
             }
         };
+        if crossings.is_empty() && up > 0 {
+            add(-PI, PI);
+        }
+        let mut since = midnight;
         for crossing in &crossings {
-            if above > 0 && covered == 0 {
-                let half = 0.5 * (crossing.hour_angle - since);
-                self.arcs.add(a, b, since + half, half, lit);
+            if up > 0 {
+                add(since, crossing.hour_angle);
             }
-            match crossing.region {
-                Region::AboveHorizon => above += crossing.step,
-                Region::Covered => covered += crossing.step,
-            }
+            up += crossing.step;
             since = crossing.hour_angle;
         }
         self.crossings[j] = crossings;
+    }
+}
+
+/// 1 if the Sun is up before the first crossing, else 0: `midnight` is the last one, a turn earlier.
+///
+/// Risings and settings alternate, so any of them tells; but where two are as close as round-off they may come in the
+/// wrong order. Then, or where there is none, it is settled in the middle of the longest arc, and by counting from there.
+fn up_before_first(crossings: &[Crossing], midnight: f64, is_up: impl Fn(f64) -> bool) -> i32 {
+    let clear = |w: &[Crossing]| w[0].step != w[1].step && w[1].hour_angle - w[0].hour_angle > SAME_TIME;
+    if let [first, .., last] = crossings
+        && first.step != last.step
+        && first.hour_angle - midnight > SAME_TIME
+        && crossings.windows(2).all(clear)
+    {
+        return i32::from(first.step < 0);
+    }
+    let (mut longest, mut middle, mut before) = (0.0, 0.0, 0);
+    let mut since = midnight;
+    for (k, crossing) in crossings.iter().enumerate() {
+        let length = crossing.hour_angle - since;
+        if length > longest {
+            (longest, middle, before) = (length, since + 0.5 * length, k);
+        }
+        since = crossing.hour_angle;
+    }
+    i32::from(is_up(middle)) - crossings[..before].iter().map(|c| c.step).sum::<i32>()
+}
+
+/// Calls `add` for each part of an interval that is not covered: looked for in steps, the edges by bisection.
+fn for_each_free(from: f64, to: f64, step: f64, covered: impl Fn(f64) -> bool, mut add: impl FnMut(f64, f64)) {
+    let steps = ((to - from) / step).ceil().max(1.0);
+    let step = (to - from) / steps;
+    let middle = |k: usize| from + (k as f64 + 0.5) * step;
+    let mut was_covered = covered(middle(0));
+    let mut since = from;
+    for k in 1..steps as usize {
+        let is_covered = covered(middle(k));
+        if is_covered == was_covered {
+            continue;
+        }
+        let (mut low, mut high) = (middle(k - 1), middle(k));
+        for _ in 0..HALVINGS {
+            let half = 0.5 * (low + high);
+            if covered(half) == was_covered {
+                low = half;
+            } else {
+                high = half;
+            }
+        }
+        if is_covered {
+            add(since, high);
+        }
+        since = high;
+        was_covered = is_covered;
+    }
+    if !was_covered {
+        add(since, to);
     }
 }
 
@@ -172,34 +218,51 @@ fn on_sky(facet: &Facet, [cos_az, sin_az]: [f64; 2], tan_elevation: f64) -> [f64
     [c * up - s * north, -west, c * north + s * up]
 }
 
-/// Appends the outline of an overhang, half-way to the neighbouring azimuths of the `n` of the map.
-fn outline(facet: &Facet, overhang: &Overhang, n: usize, polygon: &mut Vec<[f64; 3]>) {
-    let [low, high] = overhang.tan_elevation.map(f64::from);
-    let k = 2 * overhang.azimuth as usize;
-    let [right, left] = [k + 2 * n - 1, k + 1].map(|k| direction(k % (2 * n), 2 * n));
-    let (from, to) = (low.atan(), high.atan());
-    let pieces = ((to - from) / PIECE).ceil().max(1.0);
-    let height = |j: usize| (from + (to - from) * j as f64 / pieces).tan().min(high);
-    let pieces = pieces as usize;
-    polygon.extend((0..=pieces).map(|j| on_sky(facet, left, height(j))));
-    polygon.extend((0..=pieces).rev().map(|j| on_sky(facet, right, height(j))));
+/// Appends the great circle between two directions in pieces, without its first end.
+fn add_pieces(from: &[f64; 3], to: &[f64; 3], polygon: &mut Vec<[f64; 3]>) {
+    let chord2: f64 = (0..3).map(|k| (to[k] - from[k]).powi(2)).sum();
+    if chord2 > PIECE * PIECE {
+        let pieces = (chord2.sqrt() / PIECE).ceil();
+        for j in 1..pieces as usize {
+            let t = j as f64 / pieces;
+            let p: [f64; 3] = std::array::from_fn(|k| from[k] + t * (to[k] - from[k]));
+            let length = (p[0] * p[0] + p[1] * p[1] + p[2] * p[2]).sqrt();
+            polygon.push(p.map(|c| c / length));
+        }
+    }
+    polygon.push(*to);
 }
 
-/// Whether the Sun is in the region when it culminates, due north or due south of the zenith: all day, if its circle does
-/// not meet the region's outline.
-fn culminates_in(region: Region, facet: &Facet, horizon: &Horizon, sin_dec: f64, cos_dec: f64) -> bool {
-    let n = horizon.tan_elevation.len();
+/// Azimuth in steps of the map, and horizontal and vertical component, of a direction in the facet's frame.
+fn horizontal(facet: &Facet, horizon: &Horizon, [meridian, east, axis]: [f64; 3]) -> (f64, f64, f64) {
     let (s, c) = (facet.sin_lat, facet.cos_lat);
-    let (up, north) = (s * sin_dec + c * cos_dec, c * sin_dec - s * cos_dec);
-    let azimuth = if north >= 0.0 { 0 } else { n / 2 };
-    let above = |tan_elevation: f32| up > f64::from(tan_elevation) * north.abs();
-    match region {
-        Region::AboveHorizon => above(horizon.tan_elevation[azimuth]),
-        Region::Covered => horizon.overhangs.iter().any(|overhang| {
-            let [low, high] = overhang.tan_elevation;
-            overhang.azimuth as usize == azimuth && above(low) && !above(high)
-        }),
-    }
+    let (north, west, up) = (c * axis - s * meridian, -east, c * meridian + s * axis);
+    let position = rough_azimuth(north, west).rem_euclid(TAU) / TAU * horizon.tan_elevation.len() as f64;
+    (position, (north * north + west * west).sqrt(), up)
+}
+
+/// Whether a direction is above the horizon.
+fn is_above(facet: &Facet, horizon: &Horizon, direction: [f64; 3]) -> bool {
+    let (position, level, up) = horizontal(facet, horizon, direction);
+    let n = horizon.tan_elevation.len();
+    // The great circle between two azimuths a step apart: the tangents, weighted by sines.
+    let k = position as usize;
+    let step = TAU / n as f64;
+    let phase = (position - k as f64) * step;
+    let [t0, t1] = [k, k + 1].map(|k| f64::from(horizon.tan_elevation[k % n]));
+    up * step.sin() > level * (t0 * (step - phase).sin() + t1 * phase.sin())
+}
+
+/// Whether a direction is behind something that leans over, which holds from half an azimuth of the map before to half an
+/// azimuth after its own.
+fn is_covered(facet: &Facet, horizon: &Horizon, direction: [f64; 3]) -> bool {
+    let (position, level, up) = horizontal(facet, horizon, direction);
+    let azimuth = (position + 0.5) as usize % horizon.tan_elevation.len();
+    let first = horizon.overhangs.partition_point(|o| (o.azimuth as usize) < azimuth);
+    horizon.overhangs[first..].iter().take_while(|o| o.azimuth as usize == azimuth).any(|overhang| {
+        let [low, high] = overhang.tan_elevation.map(f64::from);
+        up > low * level && (high >= STEEPEST || up < high * level)
+    })
 }
 
 /// Hour angle at which the great-circle arc between two points on either side of a declination crosses it.
@@ -251,4 +314,54 @@ impl Arms {
 
 fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::facets::facets;
+    use crate::horizon::HorizonMap;
+    use crate::recoil::LambertRecoil;
+    use crate::test_bodies::{blocked, rugged};
+
+    /// Mean of `mu0` over the day from the arcs and from rays at many hour angles, facet by facet, with a slab that hovers.
+    #[test]
+    fn lit_arcs_are_where_rays_reach_the_sun() {
+        let mesh = rugged(60);
+        let facets = facets(&mesh).unwrap();
+        let map = HorizonMap::new(&mesh, 360).unwrap();
+        let declinations = Declinations::new(9);
+        let kernel = LambertRecoil { albedo: 0.0 };
+        let mut day = Day::new(&kernel, &declinations);
+        let steps = 180;
+        let (mut compared, mut total) = (0, 0.0);
+        for (f, facet) in facets.iter().enumerate() {
+            let Some(horizon) = map.horizon(f) else { continue };
+            day.walk_horizon(facet, horizon);
+            let [north, west, up] = facet.horizon_axes();
+            // The meridian direction: north and up turned back by the latitude.
+            let meridian: [f64; 3] = std::array::from_fn(|k| facet.cos_lat * up[k] - facet.sin_lat * north[k]);
+            for j in 0..declinations.len() {
+                let (sin_dec, cos_dec) = (declinations.sin[j], declinations.cos[j]);
+                let mut lit = Lit::default();
+                day.add_lit_arcs(facet, horizon, j, &mut lit);
+                let mut sum = 0.0;
+                for k in 0..steps {
+                    let (s, c) = (TAU * (f64::from(k) + 0.5) / f64::from(steps)).sin_cos();
+                    let mut sun: [f64; 3] = std::array::from_fn(|i| cos_dec * (c * meridian[i] - s * west[i]));
+                    sun[2] += sin_dec;
+                    let mu0: f64 = (0..3).map(|i| sun[i] * up[i]).sum();
+                    if mu0 > 0.0 && !blocked(&mesh, facet.point, sun, f) {
+                        sum += mu0 * TAU / f64::from(steps);
+                    }
+                }
+                let off = (lit.emitted[0] - sum).abs();
+                // A step of the sum is 0.035 rad, and each of a few edges may be off by half of one.
+                assert!(off < 0.1, "facet {f}, declination {sin_dec}: {} {sum}", lit.emitted[0]);
+                compared += 1;
+                total += off;
+            }
+        }
+        assert!(compared > 500 && total / f64::from(compared) < 0.005, "{compared} {total}");
+    }
 }

@@ -27,8 +27,8 @@ const AZIMUTH_PAD: f64 = 1e-4;
 const WIDEST_SPAN: i64 = 24;
 /// A facet in a leaf that spans fewer azimuths than this is tried at all of them.
 const NARROW_SPAN: i64 = 4;
-/// Steepest horizon that is kept (90 deg less 0.2 arc seconds).
-const STEEPEST: f64 = 1e6;
+/// Steepest tangent that is kept (90 deg less 0.2 arc seconds); stands for the zenith.
+pub(crate) const STEEPEST: f64 = 1e6;
 
 /// Horizons of all facets of a mesh, seen from their centroids.
 #[derive(Debug, Clone, PartialEq)]
@@ -110,12 +110,30 @@ struct Node {
     normal: [f64; 3],
     /// Largest distance of a corner from the disc's plane, m.
     thickness: f64,
+    /// Cosine and sine of the largest angle between `normal` and a facet's; 0 and 1 for any angle beyond 90 deg.
+    spread: [f64; 2],
+    /// Largest height of the centre above the plane of a facet, m.
+    behind: f64,
     /// First facet of a leaf; the second child of an inner node, whose first child follows it in the array.
     at: u32,
     /// Facets of a leaf, 0 for an inner node.
     facets: u32,
     /// Coordinate that tells an inner node's children apart; the first child has the smaller ones.
     axis: usize,
+}
+
+impl Node {
+    /// Whether no facet faces an observer from whom the centre is this far `away`, m.
+    #[inline]
+    fn faces_away(&self, away: &[f64; 3]) -> bool {
+        let along = dot(&self.normal, away);
+        if along <= 0.0 {
+            return false;
+        }
+        // The highest that the observer can stand above a plane through the centre with a normal of the spread.
+        let aside = (dot(away, away) - along * along).max(0.0).sqrt();
+        aside * self.spread[1] - along * self.spread[0] + self.behind <= 0.0
+    }
 }
 
 /// A facet with its plane: `normal . x > offset` on the side that it faces.
@@ -254,8 +272,7 @@ impl Scanner {
         let mut rises = false;
         while let Some(index) = stack.pop() {
             let node = &self.nodes[index as usize];
-            let Some(azimuths) = self.visible(local(&node.centre), node, dot(&axes[2], &node.normal), &hidden.ground)
-            else {
+            let Some(azimuths) = self.visible(node, &axes, &facet.point, &hidden.ground) else {
                 continue;
             };
             if node.facets == 0 {
@@ -281,17 +298,23 @@ impl Scanner {
         })
     }
 
-    /// The azimuths of the map at which the node may hide more sky (all if it is wide), or `None` if it cannot. `centre` is
-    /// its centre (north, west, up from the observer), `tilt` the cosine between its normal and the observer's.
+    /// The azimuths of the map at which the node may hide more sky (all if it is wide), or `None` if it cannot: seen from
+    /// `point` with the axes north, west and up.
     #[inline]
-    fn visible(&self, centre: [f64; 3], node: &Node, tilt: f64, ground: &[f64]) -> Option<(i64, i64)> {
+    fn visible(&self, node: &Node, axes: &[[f64; 3]; 3], point: &[f64; 3], ground: &[f64]) -> Option<(i64, i64)> {
         let all = Some((0, self.azimuths.len() as i64 - 1));
-        let [x, y, z] = centre;
-        let flat = node.radius * (1.0 - tilt * tilt).max(0.0).sqrt() + node.thickness * tilt.abs();
-        let top = z + flat.min(node.radius);
-        if top <= self.tolerance {
+        let away: [f64; 3] = std::array::from_fn(|k| node.centre[k] - point[k]);
+        let z = dot(&axes[2], &away);
+        if z + node.radius <= self.tolerance {
             return None;
         }
+        let tilt = dot(&axes[2], &node.normal);
+        let flat = node.radius * (1.0 - tilt * tilt).max(0.0).sqrt() + node.thickness * tilt.abs();
+        let top = z + flat.min(node.radius);
+        if top <= self.tolerance || node.faces_away(&away) {
+            return None;
+        }
+        let (x, y) = (dot(&axes[0], &away), dot(&axes[1], &away));
         let distance = (x * x + y * y).sqrt();
         if distance <= node.radius * 1.001 {
             return all;
@@ -420,7 +443,7 @@ pub(crate) fn direction(k: usize, n: usize) -> [f64; 2] {
 
 /// Azimuth of `(x, y)` in [-pi, pi] to 2e-5 rad (Abramowitz & Stegun 4.4.49): enough to pick candidates.
 #[inline]
-fn rough_azimuth(x: f64, y: f64) -> f64 {
+pub(crate) fn rough_azimuth(x: f64, y: f64) -> f64 {
     let (ax, ay) = (x.abs(), y.abs());
     let (small, large) = if ax < ay { (ax, ay) } else { (ay, ax) };
     let r = if large > 0.0 { small / large } else { 0.0 };
@@ -473,8 +496,31 @@ fn build(occluders: &mut [Occluder], offset: usize, nodes: &mut Vec<Node>) {
     // A hair larger than it is, so that round-off cannot put a corner outside.
     let radius = corners().map(|p| square_distance(p, &centre)).fold(0.0, f64::max).sqrt() * (1.0 + 1e-12);
     let thickness = corners().map(off_plane).fold(0.0, f64::max) + 1e-12 * radius;
+    let mut cosine = 1.0f64;
+    let mut behind = 0.0f64;
+    for occluder in &*occluders {
+        let length = dot(&occluder.normal, &occluder.normal).sqrt();
+        // A facet without area faces nobody.
+        if length > 0.0 {
+            cosine = cosine.min(dot(&normal, &occluder.normal) / length);
+            behind = behind.max((dot(&occluder.normal, &centre) - occluder.offset) / length);
+        }
+    }
+    let spread = if cosine > 0.0 { [cosine, (1.0 - cosine * cosine).max(0.0).sqrt()] } else { [0.0, 1.0] };
+    // The same hair as above.
+    let behind = behind + 1e-12 * radius;
     let index = nodes.len();
-    nodes.push(Node { centre, radius, normal, thickness, at: offset as u32, facets: occluders.len() as u32, axis: 0 });
+    nodes.push(Node {
+        centre,
+        radius,
+        normal,
+        thickness,
+        spread,
+        behind,
+        at: offset as u32,
+        facets: occluders.len() as u32,
+        axis: 0,
+    });
     if occluders.len() <= LEAF {
         return;
     }
@@ -492,40 +538,7 @@ fn build(occluders: &mut [Occluder], offset: usize, nodes: &mut Vec<Node>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Closed box between two corners.
-    fn cuboid(mesh: &mut Mesh, low: [f64; 3], high: [f64; 3]) {
-        let first = mesh.vertices.len() as u32;
-        let corner = |i: usize| std::array::from_fn(|k| if i >> k & 1 == 0 { low[k] } else { high[k] });
-        mesh.vertices.extend((0..8).map(corner));
-        let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-        let triangles = quads.iter().flat_map(|q: &[u32; 4]| [[q[0], q[1], q[2]], [q[0], q[2], q[3]]]);
-        mesh.facets.extend(triangles.map(|t| t.map(|v| v + first)));
-    }
-
-    /// A sphere with hills and valleys and a slab that hovers over its top.
-    fn rugged(vertices: usize) -> Mesh {
-        let mut mesh = tiling::fibonacci::unit_sphere(vertices).unwrap();
-        for v in &mut mesh.vertices {
-            let r = 1.0 + 0.15 * (5.0 * v[0]).sin() * (6.0 * v[1]).cos() + 0.1 * (9.0 * v[2]).sin();
-            *v = v.map(|c| c * r);
-        }
-        cuboid(&mut mesh, [-0.4, -0.5, 1.5], [0.4, 0.5, 1.6]);
-        mesh
-    }
-
-    /// Whether a ray from `point` towards `direction` meets a facet other than `own`.
-    fn blocked(mesh: &Mesh, point: [f64; 3], direction: [f64; 3], own: usize) -> bool {
-        let (p, d) = (nalgebra::Vector3::from(point), nalgebra::Vector3::from(direction));
-        (0..mesh.facets.len()).filter(|f| *f != own).any(|f| {
-            let [a, b, c] = mesh.corners(f);
-            let (e1, e2, t) = (b - a, c - a, p - a);
-            let (q, r) = (d.cross(&e2), t.cross(&e1));
-            let det = e1.dot(&q);
-            let (u, v) = (t.dot(&q) / det, d.dot(&r) / det);
-            u >= 0.0 && v >= 0.0 && u + v <= 1.0 && e2.dot(&r) / det > 0.0
-        })
-    }
+    use crate::test_bodies::{blocked, cuboid, rugged};
 
     #[test]
     fn hidden_sky_is_where_rays_are_blocked() {

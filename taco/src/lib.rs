@@ -39,6 +39,8 @@ mod season;
 mod sky;
 mod spline;
 mod surface;
+#[cfg(test)]
+mod test_bodies;
 mod torque;
 
 pub use error::TacoError;

@@ -5,7 +5,7 @@ mod common;
 use common::{at_obliquities, bumpy, lambert};
 use nalgebra::Vector3;
 use std::f64::consts::{PI, TAU};
-use taco::{Orbit, Reflectance, Sampling, Surface, torque_table};
+use taco::{HorizonMap, Orbit, Reflectance, Sampling, Surface, torque_table};
 use tiling::Mesh;
 
 /// A facet of unit area with this centroid and normal.
@@ -144,4 +144,31 @@ fn body_with_shadows_matches_brute_force() {
         assert!((got_spin - spin).abs() < 0.01 * scale && (got_tilt - tilt).abs() < 0.01 * scale, "{degree}");
     }
     assert!(common::distance(&table.spin_torque_n_m[0], &unshaded.spin_torque_n_m[0]) > 0.03 * scale);
+}
+
+/// A slab that hovers over part of the body: the sky is open below and above it.
+#[test]
+fn body_below_an_overhang_matches_brute_force() {
+    let mut mesh = bumpy(60);
+    let first = mesh.vertices.len() as u32;
+    let (low, high) = ([0.2, -0.6, 1.0], [1.4, 0.5, 1.1]);
+    let corner = |i: usize| std::array::from_fn(|k| if i >> k & 1 == 0 { low[k] } else { high[k] });
+    mesh.vertices.extend((0..8).map(corner));
+    let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let triangles = quads.iter().flat_map(|q: &[u32; 4]| [[q[0], q[1], q[2]], [q[0], q[2], q[3]]]);
+    mesh.facets.extend(triangles.map(|t| t.map(|v| v + first)));
+    let map = HorizonMap::new(&mesh, 120).unwrap();
+    let overhung = (0..mesh.facets.len()).filter(|f| map.horizon(*f).is_some_and(|h| !h.overhangs.is_empty())).count();
+    assert!(overhung > 5, "{overhung}");
+    let degrees = [25.0, 75.0];
+    // Twelve facets of the slab are as large as the body, so that single edges of shadows matter.
+    let sampling = Sampling { azimuth_bins: 480, ..at_obliquities(&degrees) };
+    let table = torque_table(&mesh, &lambert(0.2), &Orbit::default(), &sampling).unwrap();
+    let scale = common::peak(&table.spin_torque_n_m[0]);
+    for (k, degree) in degrees.iter().enumerate() {
+        let (spin, tilt) = brute_force(&mesh, degree.to_radians(), 180, 60);
+        let (got_spin, got_tilt) = (table.spin_torque_n_m[0][k], table.obliquity_torque_n_m[0][k]);
+        println!("{degree}: {got_spin:e} {spin:e}, {got_tilt:e} {tilt:e}, {overhung} facets below the slab");
+        assert!((got_spin - spin).abs() < 0.015 * scale && (got_tilt - tilt).abs() < 0.015 * scale, "{degree}");
+    }
 }
