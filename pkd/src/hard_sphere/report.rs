@@ -15,7 +15,7 @@ pub struct CollisionCounts {
     pub collapse: u64,
     /// Resolved without loss because a sphere had used up its collisions of the step.
     pub capped: u64,
-    /// Predicted contacts that turned out to recede: grazes at round-off, nothing was changed.
+    /// Those of them that turned out to recede: grazes at round-off, nothing was changed.
     pub grazes: u64,
     /// Predictions repeated because the partner had collided with another sphere in the meantime.
     pub repredictions: u64,
