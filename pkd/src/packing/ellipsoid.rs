@@ -13,6 +13,9 @@ pub const PACKING_FRACTION: f64 = 0.55;
 /// Width, in diameters, of the rind that is packed too and then peeled off.
 const RIND: f64 = 1.0;
 
+/// Axis ratios that can be packed: in a needle or a disc most of what is packed would be rind.
+const RATIOS: std::ops::RangeInclusive<f64> = 0.05..=2.0;
+
 /// By how much the packing fraction falls when the spheres do not fit.
 const LOOSEN: f64 = 0.95;
 
@@ -23,9 +26,9 @@ pub struct EllipsoidPacking {
     pub count: usize,
     /// What they are.
     pub grain: Grain,
-    /// Extent along y over that along x, in (0, 2].
+    /// Extent along y over that along x, 0.05 to 2.
     pub b_over_a: f64,
-    /// Extent along z over that along x, in (0, 2].
+    /// Extent along z over that along x, 0.05 to 2.
     pub c_over_a: f64,
     /// Share of the container's volume that the spheres should fill, in (0, 0.64); less where they do not fit, as few
     /// spheres in a narrow ellipsoid may not. [`PACKING_FRACTION`] is a good value.
@@ -39,8 +42,8 @@ impl EllipsoidPacking {
         let Self { count, b_over_a: b, c_over_a: c, packing_fraction: fraction, .. } = *self;
         self.grain.validate()?;
         in_range("count", count as f64, (1..=MAX_COUNT).contains(&count), "1 to 10 million")?;
-        in_range("b_over_a", b, b > 0.0 && b <= 2.0, "above 0, at most 2")?;
-        in_range("c_over_a", c, c > 0.0 && c <= 2.0, "above 0, at most 2")?;
+        in_range("b_over_a", b, RATIOS.contains(&b), "0.05 to 2")?;
+        in_range("c_over_a", c, RATIOS.contains(&c), "0.05 to 2")?;
         in_range("packing_fraction", fraction, fraction > 0.0 && fraction < 0.64, "between 0 and 0.64")
     }
 }
@@ -145,7 +148,7 @@ mod tests {
 
     #[test]
     fn few_spheres_and_needles_fit_after_loosening() {
-        for count in [1, 2, 3, 5, 10, 40] {
+        for count in [1, 2, 3, 10, 30] {
             for (b, c) in [(1.0, 1.0), (0.3, 0.1)] {
                 let body = ellipsoid_packing(&packing(count, b, c)).unwrap();
                 assert!(count == 1 || closest_over_diameter(&body) >= 1.0, "{count} {b} {c}");
@@ -168,7 +171,7 @@ mod tests {
         let bad = [
             ("count", EllipsoidPacking { count: 0, ..good }),
             ("b_over_a", EllipsoidPacking { b_over_a: 2.1, ..good }),
-            ("c_over_a", EllipsoidPacking { c_over_a: 0.0, ..good }),
+            ("c_over_a", EllipsoidPacking { c_over_a: 1e-300, ..good }),
             ("packing_fraction", EllipsoidPacking { packing_fraction: f64::NAN, ..good }),
             ("radius", EllipsoidPacking { grain: Grain { radius: -1.0, density: 2960.0 }, ..good }),
         ];
