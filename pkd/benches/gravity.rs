@@ -5,10 +5,13 @@ use pkd::gravity::{Accelerations, DirectGravity};
 use pkd::packing::{EllipsoidPacking, Grain, PACKING_FRACTION, Seed, ellipsoid_packing};
 
 fn main() {
+    // The default pool is this thread alone, so that `one_thread` times the sum and not the way to another thread.
+    rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build_global().expect("the first pool");
     divan::main();
 }
 
-fn time(bencher: Bencher, count: usize, threads: usize) {
+/// A body of `count` spheres and a closure that sums up its gravity.
+fn summation(count: usize) -> impl FnMut() + Send {
     let body = ellipsoid_packing(&EllipsoidPacking {
         count,
         grain: Grain { radius: 50.2, density: 2960.0 },
@@ -18,21 +21,20 @@ fn time(bencher: Bencher, count: usize, threads: usize) {
         seed: Seed::default(),
     })
     .expect("a valid packing");
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
     let mut gravity = DirectGravity::default();
     let mut out = Accelerations::default();
-    // Entering the pool is part of the time: some microseconds.
-    bencher.bench_local(|| {
-        pool.install(|| gravity.accelerations(&body.x, &body.y, &body.z, &body.mass, black_box(&mut out)));
-    });
+    move || gravity.accelerations(&body.x, &body.y, &body.z, &body.mass, black_box(&mut out))
 }
 
 #[divan::bench(args = [100, 1000, 4000])]
 fn one_thread(bencher: Bencher, count: usize) {
-    time(bencher, count, 1);
+    bencher.bench_local(summation(count));
 }
 
+/// With some microseconds for entering the pool.
 #[divan::bench(args = [100, 1000, 4000])]
 fn all_threads(bencher: Bencher, count: usize) {
-    time(bencher, count, 0);
+    let pool = rayon::ThreadPoolBuilder::new().build().expect("threads");
+    let mut sum = summation(count);
+    bencher.bench_local(|| pool.install(&mut sum));
 }
