@@ -3,8 +3,9 @@
 use crate::day::Day;
 use crate::declination::Declinations;
 use crate::facets::Facet;
-use crate::horizon::{Horizon, HorizonMap, ScanScratch, Scanner};
+use crate::horizon::{Horizon, HorizonMap};
 use crate::recoil::RecoilKernel;
+use crate::scanner::{ScanScratch, Scanner};
 use crate::season::{Curve, Season};
 use crate::sky::{SkyView, sky_view};
 use crate::surface::Surface;

@@ -11,9 +11,11 @@
 //! component precesses the spin axis and is left out.
 
 use crate::arc::{Arcs, Lit};
+use crate::azimuth::{direction, rough_azimuth};
 use crate::declination::Declinations;
 use crate::facets::Facet;
-use crate::horizon::{Horizon, STEEPEST, direction, rough_azimuth};
+use crate::hidden::STEEPEST;
+use crate::horizon::Horizon;
 use crate::recoil::RecoilKernel;
 use crate::sky::SkyView;
 use std::f64::consts::{PI, TAU};

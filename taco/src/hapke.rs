@@ -144,7 +144,7 @@ impl Photometry {
 }
 
 /// `P(x)`, the phase function averaged over the upper hemisphere of the other direction, and its own average `Pbar`
-/// (Hapke 2002 eqs. 23-25), from the Legendre series of the phase function.
+/// (Hapke 2002), from the Legendre series of the phase function.
 fn hemispheric_means(xi: f64) -> (CubicTable<1>, f64) {
     // Odd n only: term n of P(x) is A_n b_n P_n(x), of Pbar A_n^2 b_n.
     let mut terms = Vec::new();

@@ -22,6 +22,7 @@
 #![warn(missing_docs)]
 
 mod arc;
+mod azimuth;
 mod body;
 pub mod constants;
 mod day;
@@ -29,12 +30,14 @@ mod declination;
 mod error;
 mod facets;
 pub mod hapke;
+mod hidden;
 mod horizon;
 mod interpolant;
 mod orbit;
 mod quadrature;
 mod recoil;
 mod sampling;
+mod scanner;
 mod season;
 mod sky;
 mod spline;
@@ -42,6 +45,7 @@ mod surface;
 #[cfg(test)]
 mod test_bodies;
 mod torque;
+mod tree;
 
 pub use error::TacoError;
 pub use horizon::{Horizon, HorizonMap, Overhang};

@@ -274,6 +274,18 @@ mod tests {
         assert_eq!(table.at_cosine(0.3), (0.0, 0.0, 0.0));
     }
 
+    /// 2/3 of the emitted light's momentum along the normal, over the lit hemisphere: (4/9) (1 - A) pi R^2 of the beam.
+    #[test]
+    fn lambert_sphere_recoils_by_four_ninths() {
+        let kernel = LambertRecoil { albedo: 0.3 };
+        let force: f64 = gauss_legendre(16)
+            .into_iter()
+            .map(|(x, weight)| (0.5 * (x + 1.0), 0.5 * weight))
+            .map(|(mu0, weight)| 2.0 * PI * weight * mu0 * 2.0 / 3.0 * kernel.at(mu0).emitted)
+            .sum();
+        assert!((force - 4.0 / 9.0 * 0.7 * PI).abs() < 1e-14);
+    }
+
     #[test]
     fn lambert_recoil_is_two_thirds_of_the_albedo() {
         let recoil = LambertRecoil { albedo: 0.3 }.at(0.5);

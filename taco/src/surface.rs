@@ -71,7 +71,7 @@ impl Default for Hapke {
 /// Multiple scattering between grains.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum MultipleScattering {
-    /// Anisotropic, Hapke 2002 eq. 17.
+    /// Anisotropic (Hapke 2002).
     #[default]
     H2002,
     /// Isotropic multiple-scattering approximation (Hapke 1981).
