@@ -111,7 +111,7 @@ pub(super) const LIMITS: &[Limit] = &[
     closed("surface.thermal_inertia", 0.0, 0.0).note("heat conduction is not part of this version"),
     above("surface.emissivity", 0.0, 1.0),
     closed("torque.obliquity_step_deg", 0.1, 90.0).note("and a divisor of 180"),
-    closed("torque.azimuth_bins", 16.0, 2880.0).note("and a multiple of 4"),
+    closed("torque.azimuth_bins", 16.0, 2880.0).note("and a multiple of 8"),
     closed("torque.declination_nodes", 5.0, 1441.0).note("and odd"),
     closed("evolution.duration_myr", 0.0, 1e4),
     closed("evolution.spin_change", 1e-5, 0.5),
@@ -184,7 +184,7 @@ fn inconsistent(scene: &Scene) -> Option<Violation> {
     }
     let torque = &scene.torque;
     for (path, value, fits) in [
-        ("torque.azimuth_bins", torque.azimuth_bins, torque.azimuth_bins.is_multiple_of(4)),
+        ("torque.azimuth_bins", torque.azimuth_bins, torque.azimuth_bins.is_multiple_of(8)),
         ("torque.declination_nodes", torque.declination_nodes, !torque.declination_nodes.is_multiple_of(2)),
     ] {
         if !fits {

@@ -148,7 +148,7 @@ pub struct TorqueOptions {
     pub obliquity_step_deg: f64,
     /// Interpolation between the nodes (default cubic).
     pub interpolation: Interpolation,
-    /// Azimuths at which the horizon of a facet is known, a multiple of 4 (default 120); time and memory grow in
+    /// Azimuths at which the horizon of a facet is known, a multiple of 8 (default 120); time and memory grow in
     /// proportion.
     pub azimuth_bins: u32,
     /// Solar declinations from equator to pole at which the rotation is averaged, odd (default 37); time grows in
