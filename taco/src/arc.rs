@@ -111,7 +111,7 @@ impl Lit {
 }
 
 /// Half the length of the day over an open horizon, rad.
-fn half_day(a: f64, b: f64) -> f64 {
+pub(crate) fn half_day(a: f64, b: f64) -> f64 {
     if a >= b {
         PI
     } else if a <= -b {

@@ -10,10 +10,11 @@
 //! Averages: `tau_z`, the torque along the spin axis, and `tau_u`, that along the Sun's equatorial direction. The third
 //! component precesses the spin axis and is left out.
 
-use crate::arc::{Arcs, Lit};
+use crate::arc::{Arcs, Lit, half_day};
 use crate::azimuth::{direction, rough_azimuth};
 use crate::declination::Declinations;
 use crate::facets::Facet;
+use crate::heat::insolation::{CellFlux, Cells};
 use crate::hidden::STEEPEST;
 use crate::horizon::Horizon;
 use crate::recoil::RecoilKernel;
@@ -25,6 +26,8 @@ pub(crate) type Response = [f64];
 
 /// Averages a facet over the rotation; one per thread.
 pub(crate) struct Day<'a, K> {
+    #[allow(dead_code)]
+    kernel: &'a K,
     arcs: Arcs<'a, K>,
     declinations: &'a Declinations,
     azimuths: Vec<[f64; 2]>,
@@ -52,7 +55,7 @@ const HALVINGS: usize = 22;
 impl<'a, K: RecoilKernel> Day<'a, K> {
     pub fn new(kernel: &'a K, declinations: &'a Declinations) -> Self {
         let crossings = vec![Vec::new(); declinations.len()];
-        Self { arcs: Arcs::new(kernel), declinations, azimuths: Vec::new(), polygon: Vec::new(), crossings }
+        Self { kernel, arcs: Arcs::new(kernel), declinations, azimuths: Vec::new(), polygon: Vec::new(), crossings }
     }
 
     /// Adds the facet's response times `weight` to `out`, which holds two numbers a declination. `shadows` is the
@@ -74,6 +77,30 @@ impl<'a, K: RecoilKernel> Day<'a, K> {
             let [along_spin, along_sun] = arms.torque(&lit, sin_dec, cos_dec);
             out[2 * j] += weight * along_spin;
             out[2 * j + 1] += weight * along_sun;
+        }
+    }
+
+    /// Mean fluxes that the facet absorbs and reflects in each cell of local time, per unit flux of the beam.
+    #[allow(dead_code)]
+    pub fn cell_means(&mut self, facet: &Facet, shadows: Option<&Horizon>, cells: &Cells, out: &mut CellFlux) {
+        let n = cells.count();
+        out.reset(self.declinations.len(), n);
+        if let Some(horizon) = shadows {
+            self.walk_horizon(facet, horizon);
+        }
+        let kernel = self.kernel;
+        for (j, (absorbed, reflected)) in
+            out.absorbed.chunks_exact_mut(n).zip(out.reflected.chunks_exact_mut(n)).enumerate()
+        {
+            let ab = [facet.sin_lat * self.declinations.sin[j], facet.cos_lat * self.declinations.cos[j]];
+            let mut add = |from: f64, to: f64| cells.add(kernel, ab, [from, to], absorbed, reflected);
+            match shadows {
+                None => {
+                    let half = half_day(ab[0], ab[1]);
+                    add(-half, half);
+                }
+                Some(horizon) => for_each_lit_arc(facet, horizon, self.declinations, j, &mut self.crossings[j], add),
+            }
         }
     }
 
@@ -119,38 +146,48 @@ impl<'a, K: RecoilKernel> Day<'a, K> {
 
     /// Adds the lit arcs of declination `j` after [`Self::walk_horizon`].
     fn add_lit_arcs(&mut self, facet: &Facet, horizon: &Horizon, j: usize, lit: &mut Lit) {
-        let (sin_dec, cos_dec) = (self.declinations.sin[j], self.declinations.cos[j]);
-        let (a, b) = (facet.sin_lat * sin_dec, facet.cos_lat * cos_dec);
-        let mut crossings = std::mem::take(&mut self.crossings[j]);
-        crossings.sort_unstable_by(|x, y| x.hour_angle.total_cmp(&y.hour_angle).then(x.step.cmp(&y.step)));
-        // The arc through midnight begins a turn earlier.
-        let midnight = crossings.last().map_or(-PI, |c| c.hour_angle - TAU);
-        let sun = |hour_angle: f64| [cos_dec * hour_angle.cos(), cos_dec * hour_angle.sin(), sin_dec];
-        let mut up = up_before_first(&crossings, midnight, |hour_angle| is_above(facet, horizon, sun(hour_angle)));
-        let arcs = &self.arcs;
-        let mut add = |from: f64, to: f64| {
-            if horizon.overhangs.is_empty() {
-                arcs.add(a, b, 0.5 * (from + to), 0.5 * (to - from), lit);
-            } else {
-                let covered = |hour_angle: f64| is_covered(facet, horizon, sun(hour_angle));
-                let step = TAU / horizon.tan_elevation.len() as f64;
-                for_each_free(from, to, step, covered, |from, to| {
-                    arcs.add(a, b, 0.5 * (from + to), 0.5 * (to - from), lit);
-                });
-            }
-        };
-        if crossings.is_empty() && up > 0 {
-            add(-PI, PI);
+        let (a, b) = (facet.sin_lat * self.declinations.sin[j], facet.cos_lat * self.declinations.cos[j]);
+        let Self { arcs, declinations, crossings, .. } = self;
+        for_each_lit_arc(facet, horizon, declinations, j, &mut crossings[j], |from, to| {
+            arcs.add(a, b, 0.5 * (from + to), 0.5 * (to - from), lit);
+        });
+    }
+}
+
+/// Calls `add` with the ends of each lit arc of declination `j`, given where the horizon crosses it.
+fn for_each_lit_arc(
+    facet: &Facet,
+    horizon: &Horizon,
+    declinations: &Declinations,
+    j: usize,
+    crossings: &mut [Crossing],
+    mut add_lit: impl FnMut(f64, f64),
+) {
+    let (sin_dec, cos_dec) = (declinations.sin[j], declinations.cos[j]);
+    crossings.sort_unstable_by(|x, y| x.hour_angle.total_cmp(&y.hour_angle).then(x.step.cmp(&y.step)));
+    // The arc through midnight begins a turn earlier.
+    let midnight = crossings.last().map_or(-PI, |c| c.hour_angle - TAU);
+    let sun = |hour_angle: f64| [cos_dec * hour_angle.cos(), cos_dec * hour_angle.sin(), sin_dec];
+    let mut up = up_before_first(crossings, midnight, |hour_angle| is_above(facet, horizon, sun(hour_angle)));
+    let mut add = |from: f64, to: f64| {
+        if horizon.overhangs.is_empty() {
+            add_lit(from, to);
+        } else {
+            let covered = |hour_angle: f64| is_covered(facet, horizon, sun(hour_angle));
+            let step = TAU / horizon.tan_elevation.len() as f64;
+            for_each_free(from, to, step, covered, &mut add_lit);
         }
-        let mut since = midnight;
-        for crossing in &crossings {
-            if up > 0 {
-                add(since, crossing.hour_angle);
-            }
-            up += crossing.step;
-            since = crossing.hour_angle;
+    };
+    if crossings.is_empty() && up > 0 {
+        add(-PI, PI);
+    }
+    let mut since = midnight;
+    for crossing in crossings {
+        if up > 0 {
+            add(since, crossing.hour_angle);
         }
-        self.crossings[j] = crossings;
+        up += crossing.step;
+        since = crossing.hour_angle;
     }
 }
 

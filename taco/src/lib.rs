@@ -30,6 +30,7 @@ mod declination;
 mod error;
 mod facets;
 pub mod hapke;
+mod heat;
 mod hidden;
 mod horizon;
 mod interpolant;
