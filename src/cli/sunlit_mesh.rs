@@ -101,6 +101,7 @@ impl SunlitMesh {
             emissivity: self.emissivity,
             shadows: self.shadows.is_on(),
             sky_blockage: self.sky_blockage.is_on(),
+            ..taco::Surface::default()
         })
     }
 

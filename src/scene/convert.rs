@@ -45,6 +45,7 @@ impl Surface {
             emissivity: self.emissivity,
             shadows: self.shadows,
             sky_blockage: self.sky_blockage,
+            ..taco::Surface::default()
         }
     }
 }

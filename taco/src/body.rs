@@ -2,6 +2,7 @@
 
 use crate::day::Day;
 use crate::declination::Declinations;
+use crate::exchange::{Azimuths, Exchange, Scattering};
 use crate::facets::Facet;
 use crate::horizon::{Horizon, HorizonMap};
 use crate::recoil::RecoilKernel;
@@ -27,6 +28,8 @@ pub(crate) struct Body<'a, K> {
     pub kernel: &'a K,
     /// Edges and horizons; `None` if the surface asks for neither shadows nor sky blockage.
     pub horizons: Option<(&'a Scanner, &'a HorizonMap)>,
+    /// Light between facets; `None` if the surface does not ask for it or no facet sees another.
+    pub exchange: Option<&'a Exchange>,
 }
 
 /// Torque per unit pressure, N m / Pa.
@@ -47,11 +50,15 @@ impl<K: RecoilKernel> Body<'_, K> {
     /// Sums over all facets, with `declinations` and with `coarse`, which has every `stride`-th of them.
     pub fn rotation(&self, declinations: &Declinations, coarse: &Declinations, stride: usize) -> Rotation {
         let (m, m_coarse) = (2 * declinations.len(), 2 * coarse.len());
-        let state = || (Day::new(self.kernel, declinations), Day::new(self.kernel, coarse), vec![0.0; m]);
+        let followed = Scattering(self.kernel);
+        let state = || {
+            let days = (Day::new(self.kernel, declinations), Day::new(self.kernel, coarse));
+            (days, (Day::new(&followed, declinations), Day::new(&followed, coarse)), vec![0.0; m])
+        };
         let indices: Vec<usize> = (0..self.facets.len()).collect();
         let chunks: Vec<Vec<f64>> = indices
             .par_chunks(CHUNK)
-            .map_init(state, |(day, coarse_day, own), chunk| {
+            .map_init(state, |((day, coarse_day), (followed_day, coarse_followed_day), own), chunk| {
                 let mut sum = vec![0.0; m + m_coarse];
                 for &f in chunk {
                     let facet = &self.facets[f];
@@ -62,11 +69,18 @@ impl<K: RecoilKernel> Body<'_, K> {
                         continue;
                     };
                     own.fill(0.0);
-                    day.add(facet, shadows, &sky, 1.0, own);
+                    match self.exchange.and_then(|e| e.wrench(f, Azimuths::All)) {
+                        None => day.add(facet, shadows, &sky, 1.0, own),
+                        Some(wrench) => followed_day.add_followed(facet, shadows, wrench, 1.0, own),
+                    }
                     sum.iter_mut().zip(&*own).for_each(|(s, o)| *s += o);
                     let every_other = horizon.every_other();
                     let (shadows, sky) = self.view(Some(&every_other));
-                    coarse_day.add(facet, shadows, &sky, 1.0, &mut sum[m..]);
+                    let out = &mut sum[m..];
+                    match self.exchange.and_then(|e| e.wrench(f, Azimuths::EveryOther)) {
+                        None => coarse_day.add(facet, shadows, &sky, 1.0, out),
+                        Some(wrench) => coarse_followed_day.add_followed(facet, shadows, wrench, 1.0, out),
+                    }
                     for (s, o) in sum[m..].chunks_mut(2).zip(own.chunks(2).step_by(stride)) {
                         s[0] -= o[0];
                         s[1] -= o[1];

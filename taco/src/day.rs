@@ -13,6 +13,7 @@
 use crate::arc::{Arcs, Lit, half_day};
 use crate::azimuth::{direction, rough_azimuth};
 use crate::declination::Declinations;
+use crate::exchange::Wrench;
 use crate::facets::Facet;
 use crate::heat::insolation::{CellFlux, Cells};
 use crate::hidden::STEEPEST;
@@ -61,10 +62,26 @@ impl<'a, K: RecoilKernel> Day<'a, K> {
     /// Adds the facet's response times `weight` to `out`, which holds two numbers a declination. `shadows` is the
     /// horizon (with an even number of azimuths), or `None` if nothing shades the facet.
     pub fn add(&mut self, facet: &Facet, shadows: Option<&Horizon>, sky: &SkyView, weight: f64, out: &mut Response) {
+        self.add_with(facet, shadows, &Arms::new(facet, sky), weight, out);
+    }
+
+    /// As [`Self::add`], for a facet part of whose light leaves from other facets. The kernel must be a
+    /// [`crate::exchange::Scattering`].
+    pub fn add_followed(
+        &mut self,
+        facet: &Facet,
+        shadows: Option<&Horizon>,
+        wrench: &Wrench,
+        weight: f64,
+        out: &mut Response,
+    ) {
+        self.add_with(facet, shadows, &Arms::followed(facet, wrench), weight, out);
+    }
+
+    fn add_with(&mut self, facet: &Facet, shadows: Option<&Horizon>, arms: &Arms, weight: f64, out: &mut Response) {
         if let Some(horizon) = shadows {
             self.walk_horizon(facet, horizon);
         }
-        let arms = Arms::new(facet, sky);
         let weight = -weight * facet.area / TAU;
         for j in 0..self.declinations.len() {
             let (sin_dec, cos_dec) = (self.declinations.sin[j], self.declinations.cos[j]);
@@ -329,12 +346,17 @@ impl Arms {
         let (s, c) = (facet.sin_lat, facet.cos_lat);
         let [north, west] = sky.tangential;
         let up = sky.normal;
+        let emitted = cross(facet.local_point(), [c * up - s * north, -west, c * north + s * up]);
+        Self::with_emitted(facet, emitted)
+    }
+
+    fn followed(facet: &Facet, wrench: &Wrench) -> Self {
+        Self::with_emitted(facet, facet.local(wrench.angular_momentum))
+    }
+
+    fn with_emitted(facet: &Facet, emitted: [f64; 3]) -> Self {
         let point = facet.local_point();
-        Self {
-            emitted: cross(point, [c * up - s * north, -west, c * north + s * up]),
-            normal: cross(point, [c, 0.0, s]),
-            point,
-        }
+        Self { emitted, normal: cross(point, [facet.cos_lat, 0.0, facet.sin_lat]), point }
     }
 
     /// Minus the torque along the spin axis and along the Sun's equatorial direction `u = (cos H, sin H, 0)`:

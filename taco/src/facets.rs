@@ -40,7 +40,12 @@ impl Facet {
 
     /// The point in (meridian, east, spin axis) components, m.
     pub fn local_point(&self) -> [f64; 3] {
-        let ([x, y, z], [mx, my]) = (self.point, self.meridian);
+        self.local(self.point)
+    }
+
+    /// A vector of the body frame in (meridian, east, spin axis) components.
+    pub fn local(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+        let [mx, my] = self.meridian;
         [x * mx + y * my, y * mx - x * my, z]
     }
 

@@ -22,12 +22,12 @@ const NARROW_SPAN: i64 = 4;
 /// The facets of a mesh, ready to be looked at from anywhere.
 #[derive(Debug)]
 pub(crate) struct Scanner {
-    nodes: Vec<Node>,
-    occluders: Vec<Occluder>,
+    pub nodes: Vec<Node>,
+    pub occluders: Vec<Occluder>,
     /// Cosine and sine of each azimuth of the map.
     pub azimuths: Vec<[f64; 2]>,
     /// What counts as in the plane, m.
-    tolerance: f64,
+    pub tolerance: f64,
 }
 
 /// Buffers of one thread.
@@ -60,7 +60,7 @@ impl Scanner {
         let mut rises = false;
         while let Some(index) = stack.pop() {
             let node = &self.nodes[index as usize];
-            let Some(azimuths) = self.visible(node, &axes, &facet.point, &hidden.ground) else {
+            let Some(azimuths) = self.visible(node, &axes, &facet.point, |k, bound, _| hidden.ground[k] < bound) else {
                 continue;
             };
             if node.facets == 0 {
@@ -86,10 +86,17 @@ impl Scanner {
         })
     }
 
-    /// The azimuths of the map at which the node may hide more sky (all if it is wide), or `None` if it cannot: seen from
-    /// `point` with the axes north, west and up.
+    /// The azimuths of the map that the node covers (all if it is wide) if it may matter at any of them, else `None`: seen
+    /// from `point` with the axes north, west and up. `matters` is asked with an azimuth, the tangent of an elevation that
+    /// the node does not exceed and a horizontal distance that it is not nearer than, m.
     #[inline]
-    fn visible(&self, node: &Node, axes: &[[f64; 3]; 3], point: &[f64; 3], ground: &[f64]) -> Option<(i64, i64)> {
+    pub fn visible(
+        &self,
+        node: &Node,
+        axes: &[[f64; 3]; 3],
+        point: &[f64; 3],
+        matters: impl Fn(usize, f64, f64) -> bool,
+    ) -> Option<(i64, i64)> {
         let all = Some((0, self.azimuths.len() as i64 - 1));
         let away: [f64; 3] = std::array::from_fn(|k| node.centre[k] - point[k]);
         let z = dot(&axes[2], &away);
@@ -115,14 +122,21 @@ impl Scanner {
         if last - first > WIDEST_SPAN {
             return all;
         }
-        let bound = top / (distance - node.radius);
-        (first..=last).any(|k| ground[self.wrap(k)] < bound).then_some((first, last))
+        let nearest = distance - node.radius;
+        let bound = top / nearest;
+        (first..=last).any(|k| matters(self.wrap(k), bound, nearest)).then_some((first, last))
+    }
+
+    /// The azimuths of the map, not yet wrapped into it, that may cut a facet with these corners (north, west, up from the
+    /// observer) in a leaf that covers `azimuths`.
+    #[inline]
+    pub fn tried(&self, corners: &[[f64; 3]; 3], azimuths: (i64, i64)) -> (i64, i64) {
+        if azimuths.1 - azimuths.0 < NARROW_SPAN { azimuths } else { self.azimuths_of(corners) }
     }
 
     /// Hides the sky behind a facet with these corners (north, west, up from the observer), which lies within `azimuths`.
     fn hide(&self, corners: &[[f64; 3]; 3], azimuths: (i64, i64), hidden: &mut Hidden) {
-        let narrow = azimuths.1 - azimuths.0 < NARROW_SPAN;
-        let (first, last) = if narrow { azimuths } else { self.azimuths_of(corners) };
+        let (first, last) = self.tried(corners, azimuths);
         for k in first..=last {
             let k = self.wrap(k);
             if let Some((low, high)) = interval(corners, self.azimuths[k]) {
@@ -163,7 +177,7 @@ impl Scanner {
 
     /// Index into the map of an azimuth counted from north, less than two turns off.
     #[inline]
-    fn wrap(&self, k: i64) -> usize {
+    pub fn wrap(&self, k: i64) -> usize {
         let n = self.azimuths.len() as i64;
         (if k < 0 {
             k + n
@@ -175,9 +189,10 @@ impl Scanner {
     }
 }
 
-/// Tangents of the elevations between which the half-plane of an azimuth cuts a facet, or `None` if it misses it.
+/// Where the plane of an azimuth cuts a facet: distance along the azimuth and height of the nearer and the farther end, or
+/// `None` if the half-plane misses it. The nearer end may lie on the other side of the observer.
 #[inline]
-fn interval(corners: &[[f64; 3]; 3], [c, s]: [f64; 2]) -> Option<(f64, f64)> {
+pub(crate) fn cut(corners: &[[f64; 3]; 3], [c, s]: [f64; 2]) -> Option<[[f64; 2]; 2]> {
     // Distance from the half-plane's vertical plane, and distance along it.
     let aside = corners.map(|p| p[0] * s - p[1] * c);
     let along = corners.map(|p| p[0] * c + p[1] * s);
@@ -195,9 +210,13 @@ fn interval(corners: &[[f64; 3]; 3], [c, s]: [f64; 2]) -> Option<(f64, f64)> {
         return None;
     }
     let [near, far] = if cuts[0][0] <= cuts[1][0] { cuts } else { [cuts[1], cuts[0]] };
-    if far[0] <= 0.0 {
-        return None;
-    }
+    (far[0] > 0.0).then_some([near, far])
+}
+
+/// Tangents of the elevations between which the half-plane of an azimuth cuts a facet, or `None` if it misses it.
+#[inline]
+fn interval(corners: &[[f64; 3]; 3], azimuth: [f64; 2]) -> Option<(f64, f64)> {
+    let [near, far] = cut(corners, azimuth)?;
     let t = far[1] / far[0];
     if near[0] > 0.0 {
         let u = near[1] / near[0];

@@ -14,11 +14,32 @@ pub struct Surface {
     pub shadows: bool,
     /// Whether emitted light that meets another part of the body is taken off the recoil (default: true).
     pub sky_blockage: bool,
+    /// Whether light that one part of the body sends to another is followed (default: not). If so, all light that meets the
+    /// body, scattered or emitted, exerts no recoil until it leaves, whatever the flags for the sky.
+    pub self_heating: SelfHeating,
+}
+
+/// How far light that one part of the body sends to another is followed: scattered sunlight and infrared alike.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum SelfHeating {
+    /// Not at all: its energy is lost.
+    #[default]
+    None,
+    /// To the first facet that it meets; what leaves that one and meets another is lost.
+    Single,
+    /// Until it leaves the body.
+    Multiple,
 }
 
 impl Default for Surface {
     fn default() -> Self {
-        Self { reflectance: Reflectance::default(), emissivity: 0.9, shadows: true, sky_blockage: true }
+        Self {
+            reflectance: Reflectance::default(),
+            emissivity: 0.9,
+            shadows: true,
+            sky_blockage: true,
+            self_heating: SelfHeating::None,
+        }
     }
 }
 

@@ -25,13 +25,20 @@ pub(crate) fn rugged(vertices: usize) -> Mesh {
 
 /// Whether a ray from `point` towards `direction` meets a facet other than `own`.
 pub(crate) fn blocked(mesh: &Mesh, point: [f64; 3], direction: [f64; 3], own: usize) -> bool {
+    first_hit(mesh, point, direction, own).is_some()
+}
+
+/// The facet other than `own` that a ray from `point` towards `direction` meets first.
+pub(crate) fn first_hit(mesh: &Mesh, point: [f64; 3], direction: [f64; 3], own: usize) -> Option<usize> {
     let (p, d) = (nalgebra::Vector3::from(point), nalgebra::Vector3::from(direction));
-    (0..mesh.facets.len()).filter(|f| *f != own).any(|f| {
+    let distance = |f: usize| {
         let [a, b, c] = mesh.corners(f);
         let (e1, e2, t) = (b - a, c - a, p - a);
         let (q, r) = (d.cross(&e2), t.cross(&e1));
         let det = e1.dot(&q);
-        let (u, v) = (t.dot(&q) / det, d.dot(&r) / det);
-        u >= 0.0 && v >= 0.0 && u + v <= 1.0 && e2.dot(&r) / det > 0.0
-    })
+        let (u, v, along) = (t.dot(&q) / det, d.dot(&r) / det, e2.dot(&r) / det);
+        (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && along > 0.0).then_some((along, f))
+    };
+    let hits = (0..mesh.facets.len()).filter(|f| *f != own).filter_map(distance);
+    hits.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, f)| f)
 }

@@ -7,6 +7,7 @@
 use crate::body::Body;
 use crate::declination::Declinations;
 use crate::error::TacoError;
+use crate::exchange::Exchange;
 use crate::facets::{Facet, facets};
 use crate::horizon::HorizonMap;
 use crate::interpolant::{Interpolation, TorqueInterpolant};
@@ -15,7 +16,7 @@ use crate::recoil::{LambertRecoil, RecoilKernel, RecoilTable};
 use crate::sampling::Sampling;
 use crate::scanner::Scanner;
 use crate::season::{Curve, Season};
-use crate::surface::{Reflectance, Surface};
+use crate::surface::{Reflectance, SelfHeating, Surface};
 use std::f64::consts::PI;
 use tiling::Mesh;
 
@@ -50,8 +51,8 @@ pub struct TorqueError {
 /// One source of error.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ErrorPart {
-    /// What is sampled: `declination_nodes` (against every other node), `azimuth_bins` (against every other bin; absent
-    /// from convex bodies), `facet_sampling` (shadows of centroids against three points a facet; likewise) and
+    /// What is sampled: `declination_nodes` (against every other node), `azimuth_bins` (against every other bin, view
+    /// factors included; absent from convex bodies), `facet_sampling` (shadows of centroids against three points a facet; likewise) and
     /// `obliquity_interpolation` (cubic, half-way between the nodes; absent unless the table runs from 0 to 180 deg).
     pub name: String,
     /// Error of the spin torque, N m.
@@ -84,10 +85,15 @@ pub fn torque_table(
     orbit.validate()?;
     sampling.validate()?;
     let facets = facets(mesh)?;
-    let scanner = (surface.shadows || surface.sky_blockage).then(|| Scanner::new(mesh, sampling.azimuth_bins));
+    let heating = surface.self_heating;
+    let looks_around = surface.shadows || surface.sky_blockage || heating != SelfHeating::None;
+    let scanner = looks_around.then(|| Scanner::new(mesh, sampling.azimuth_bins));
     let map = scanner.as_ref().map(|scanner| HorizonMap::of(&facets, scanner));
     let horizons = scanner.as_ref().zip(map.as_ref());
-    let task = Task { mesh, surface, facets: &facets, horizons, pressure_pa: orbit.mean_pressure_pa(), sampling };
+    let exchange = horizons.and_then(|(scanner, map)| Exchange::new(&facets, scanner, map, heating));
+    let exchange = exchange.as_ref();
+    let task =
+        Task { mesh, surface, facets: &facets, horizons, exchange, pressure_pa: orbit.mean_pressure_pa(), sampling };
     match surface.reflectance {
         Reflectance::None => task.run(&LambertRecoil { albedo: 0.0 }),
         Reflectance::Lambert { bond_albedo } => task.run(&LambertRecoil { albedo: bond_albedo }),
@@ -101,13 +107,14 @@ struct Task<'a> {
     surface: &'a Surface,
     facets: &'a [Facet],
     horizons: Option<(&'a Scanner, &'a HorizonMap)>,
+    exchange: Option<&'a Exchange>,
     pressure_pa: f64,
     sampling: &'a Sampling,
 }
 
 impl Task<'_> {
     fn run(&self, kernel: &impl RecoilKernel) -> Result<TorqueTable, TacoError> {
-        let Self { mesh, surface, facets, horizons, .. } = *self;
+        let Self { mesh, surface, facets, horizons, exchange, .. } = *self;
         let nodes = self.sampling.declination_nodes;
         // Errors that need passes of their own are estimated at every fourth declination where that is possible.
         let stride = if nodes % 4 == 1 { 4 } else { 2 };
@@ -118,7 +125,7 @@ impl Task<'_> {
         let half_season = Season::new(nodes.div_ceil(2), &obliquities_deg);
         let coarse_season = Season::new(coarse_nodes, &obliquities_deg);
 
-        let body = Body { mesh, facets, surface, kernel, horizons };
+        let body = Body { mesh, facets, surface, kernel, horizons, exchange };
         let rotation = body.rotation(&fine, &coarse, stride);
         let curve = season.curve(&rotation.response, 1).scaled(self.pressure_pa);
         self.check_finite(&curve, &obliquities_deg)?;

@@ -46,6 +46,8 @@ pub(crate) struct Occluder {
     pub corners: [[f64; 3]; 3],
     pub normal: [f64; 3],
     pub offset: f64,
+    /// Index of the facet in its mesh.
+    pub facet: u32,
 }
 
 /// All facets of a mesh in the order of their tree, and the tree: the root first.
@@ -54,7 +56,7 @@ pub(crate) fn tree(mesh: &Mesh) -> (Vec<Occluder>, Vec<Node>) {
         let corners = mesh.corners(f);
         let normal = mesh.area_vector(f);
         let offset = normal.dot(&corners[0]);
-        Occluder { corners: corners.map(Into::into), normal: normal.into(), offset }
+        Occluder { corners: corners.map(Into::into), normal: normal.into(), offset, facet: f as u32 }
     };
     let mut occluders: Vec<_> = (0..mesh.facets.len()).map(occluder).collect();
     let mut nodes = Vec::with_capacity(occluders.len());
