@@ -1,5 +1,6 @@
 //! `yorp build`, `relax` and `rigid` as a user meets them.
 
+use std::ffi::OsStr;
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -11,7 +12,7 @@ const SCENE: &str = r#"{
   "torque": {"obliquity_step_deg": 30}
 }"#;
 
-fn yorp(arguments: &[&dyn AsRef<std::ffi::OsStr>]) -> Output {
+fn yorp(arguments: &[&dyn AsRef<OsStr>]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_yorp")).args(arguments.iter().map(|a| a.as_ref())).output().unwrap()
 }
 
@@ -90,4 +91,49 @@ fn the_cycle_of_a_rigid_body_ends_and_says_how() {
     let folder = tempfile::tempdir().unwrap();
     let of_scene = json(&yorp(&[&"rigid", &scene(folder.path()), &"--json"]));
     assert!(of_scene["max_spin_rev_day"].is_number() || of_scene["end"] == "infinite_spin_up");
+    assert!(of_scene["spin_limit_rev_day"].as_f64().unwrap() > 5.0);
+}
+
+#[test]
+fn both_integrators_follow_the_same_cycle_and_write_it_as_a_table() {
+    let top = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/shapes/top.obj");
+    let folder = tempfile::tempdir().unwrap();
+    let table = folder.path().join("cycle.csv");
+    let follow = |arguments: &[&dyn AsRef<OsStr>]| {
+        let common: [&dyn AsRef<OsStr>; 5] = [&"rigid", &top, &"--json", &"--out", &table];
+        json(&yorp(&[&common[..], arguments].concat()))
+    };
+    let adaptive = follow(&[]);
+    let fixed = follow(&[&"--integrator", &"rk4", &"--rk4-step-yr", &"500"]);
+    assert_eq!(adaptive["integrator"], serde_json::json!({"adaptive": {"tolerance": 1e-9}}));
+    assert_eq!(fixed["integrator"], serde_json::json!({"rk4": {"step_yr": 500.0}}));
+    assert_eq!(adaptive["end"], fixed["end"]);
+    for key in ["end_obliquity_deg", "cycle_time_myr", "end_spin_rate_change_rev_day_myr"] {
+        let (a, b) = (adaptive[key].as_f64(), fixed[key].as_f64());
+        assert_eq!(a.is_some(), b.is_some());
+        assert!((a.unwrap_or(1.0) / b.unwrap_or(1.0) - 1.0).abs() < 1e-6, "{key}: {a:?} {b:?}");
+    }
+    let text = std::fs::read_to_string(&table).unwrap();
+    assert!(
+        text.starts_with("t_myr,period_h,spin_rev_day,obliquity_deg,spin_torque_n_m,obliquity_torque_n_m\n0.0,6.0")
+    );
+    assert_eq!(text.lines().count(), 1 + fixed["t_myr"].as_array().unwrap().len());
+}
+
+#[test]
+fn integrators_take_their_own_knobs_only() {
+    let top = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/shapes/top.obj");
+    let cases: [(&[&dyn AsRef<OsStr>], &str); 7] = [
+        (&[&"--tolerance", &"1"], "at least 1e-13, at most 0.01"),
+        (&[&"--tolerance", &"nan"], "at least 1e-13, at most 0.01"),
+        (&[&"--rk4-step-yr", &"0"], "at least 1, at most 1000000"),
+        (&[&"--integrator", &"euler"], "adaptive, rk4"),
+        (&[&"--integrator", &"rk4", &"--tolerance", &"1e-6"], "--integrator adaptive only"),
+        (&[&"--integrator", &"adaptive", &"--rk4-step-yr", &"100"], "--integrator rk4 only"),
+        (&[&"--out", &"cycle.txt"], ".csv"),
+    ];
+    for (arguments, expected) in cases {
+        let common: [&dyn AsRef<OsStr>; 2] = [&"rigid", &top];
+        refused(&yorp(&[&common[..], arguments].concat()), expected);
+    }
 }

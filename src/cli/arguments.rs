@@ -54,6 +54,14 @@ pub(super) fn obliquity_step_deg(text: &str) -> Result<f64, String> {
     number(text, divides, "at least 0.1, at most 180, and a divisor of 180")
 }
 
+pub(super) fn tolerance(text: &str) -> Result<f64, String> {
+    number(text, |x| (1e-13..=1e-2).contains(&x), "at least 1e-13, at most 0.01")
+}
+
+pub(super) fn rk4_step_yr(text: &str) -> Result<f64, String> {
+    number(text, |x| (1.0..=1e6).contains(&x), "at least 1, at most 1000000")
+}
+
 pub(super) fn facets(text: &str) -> Result<u32, String> {
     let allowed = "an even number, at least 4, at most 200000";
     let facets = text.parse().map_err(|_| format!("allowed: {allowed}"))?;

@@ -1,7 +1,10 @@
 //! `yorp rigid`: the YORP cycle of a body, were it rigid.
 
+use std::f64::consts::{PI, TAU};
 use std::path::{Path, PathBuf};
 
+use clap::ValueEnum;
+use pkd::constants::G;
 use serde_json::json;
 use taco::{Interpolation, Sampling, TorqueInterpolant};
 
@@ -11,9 +14,10 @@ use super::{CliError, arguments as value, output};
 use crate::evolve::build::build;
 use crate::evolve::configuration::{Original, object_0};
 use crate::evolve::driver::MYR_S;
-use crate::evolve::rigid::{REV_PER_DAY, RigidCycle, RigidEnd, rigid_cycle};
+use crate::evolve::rigid::{REV_PER_DAY, RigidCycle, RigidEnd, TOLERANCE, rigid_cycle};
 use crate::evolve::settling::begin;
-use crate::evolve::spin::{SpinState, YEAR_S};
+use crate::evolve::spin::{Integrator, SpinState, YEAR_S};
+use crate::exchange::{check_table_name, write_table};
 use crate::scene::SceneFile;
 use crate::store::Ledger;
 
@@ -32,35 +36,110 @@ pub(super) struct Arguments {
     /// Follow the body for at most this long, Myr
     #[arg(long, value_name = "T", default_value_t = 30.0, value_parser = value::positive)]
     duration_myr: f64,
-    /// Runge-Kutta step, yr
-    #[arg(long, value_name = "H", default_value_t = 1000.0, value_parser = value::positive)]
-    rk4_step_yr: f64,
+    /// Steps of order 5 that keep a tolerance, or steps of order 4 and fixed length [default: adaptive]
+    #[arg(long, value_enum)]
+    integrator: Option<Method>,
+    /// Error allowed to one adaptive step, relative to the spin rate [default: 1e-9]
+    #[arg(long, value_name = "TOL", value_parser = value::tolerance)]
+    tolerance: Option<f64>,
+    /// Step of rk4, yr [default: 1000]
+    #[arg(long, value_name = "H", value_parser = value::rk4_step_yr)]
+    rk4_step_yr: Option<f64>,
+    /// Also write the way there as a table (CSV)
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
     #[command(flatten, next_help_heading = "For a shape model (a scene has its own)")]
     sunlit: SunlitMesh,
+}
+
+/// How the spin is integrated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Method {
+    Adaptive,
+    Rk4,
+}
+
+impl Arguments {
+    /// The integrator, once the flags fit together.
+    fn integrator(&self) -> Result<Integrator, CliError> {
+        let implied = if self.rk4_step_yr.is_some() { Method::Rk4 } else { Method::Adaptive };
+        match (self.integrator.unwrap_or(implied), self.tolerance, self.rk4_step_yr) {
+            (Method::Adaptive, tolerance, None) => {
+                Ok(Integrator::Adaptive { tolerance: tolerance.unwrap_or(TOLERANCE) })
+            }
+            (Method::Rk4, None, step_yr) => Ok(Integrator::Rk4 { step_s: step_yr.unwrap_or(1000.0) * YEAR_S }),
+            (Method::Adaptive, _, Some(step)) => {
+                Err(CliError::refused(format!("--rk4-step-yr {step} has a meaning with --integrator rk4 only")))
+            }
+            (Method::Rk4, Some(tolerance), _) => {
+                Err(CliError::refused(format!("--tolerance {tolerance} has a meaning with --integrator adaptive only")))
+            }
+        }
+    }
 }
 
 /// A body whose cycle can be followed.
 struct Rigid {
     torque: TorqueInterpolant,
     inertia_kg_m2: f64,
+    /// Mass over the volume of the mesh, or of the convex hull of the spheres, kg/m^3.
+    density_kg_m3: f64,
     omega: f64,
     obliquity: f64,
 }
 
 pub(super) fn run(arguments: &Arguments, as_json: bool) -> Result<(), CliError> {
+    let integrator = arguments.integrator()?;
+    arguments.out.as_deref().map_or(Ok(()), check_table_name)?;
     let is_scene = arguments.body.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
     let mut rigid = if is_scene { of_scene(&arguments.body)? } else { of_mesh(arguments)? };
     if let Some(period_h) = arguments.period_h {
-        rigid.omega = std::f64::consts::TAU / (period_h * 3600.0);
+        rigid.omega = TAU / (period_h * 3600.0);
     }
     if let Some(obliquity_deg) = arguments.obliquity_deg {
         rigid.obliquity = obliquity_deg.to_radians();
     }
     let start = SpinState { t_s: 0.0, omega: rigid.omega, obliquity: rigid.obliquity };
-    let (duration_s, step_s) = (arguments.duration_myr * MYR_S, arguments.rk4_step_yr * YEAR_S);
+    let duration_s = arguments.duration_myr * MYR_S;
     let cycle =
-        rigid_cycle(&rigid.torque, rigid.inertia_kg_m2, start, duration_s, step_s).map_err(CliError::numerical)?;
-    if as_json { output::json(&as_value(&cycle)) } else { output::text(&as_text(&cycle)) }
+        rigid_cycle(&rigid.torque, rigid.inertia_kg_m2, start, duration_s, integrator).map_err(CliError::numerical)?;
+    if let Some(file) = &arguments.out {
+        write_table(&columns(&cycle, &rigid.torque), file)?;
+    }
+    let limit = SpinLimit::of(&rigid, &cycle);
+    if as_json {
+        output::json(&as_value(&cycle, &limit, integrator))
+    } else {
+        output::text(&as_text(&cycle, &limit, integrator))
+    }
+}
+
+/// The spin rate at which a sphere of the body's density no longer holds what lies on its equator. The body is followed
+/// beyond it, since it is rigid; a pile of rubble would have changed its shape.
+struct SpinLimit {
+    omega: f64,
+    /// When the spin first rises above it, s; `None` if it does not.
+    t_s: Option<f64>,
+}
+
+impl SpinLimit {
+    fn of(rigid: &Rigid, cycle: &RigidCycle) -> Self {
+        let omega = (4.0 / 3.0 * PI * G * rigid.density_kg_m3).sqrt();
+        Self { omega, t_s: cycle.first_above(omega) }
+    }
+}
+
+/// The way of the body, one row a state.
+fn columns(cycle: &RigidCycle, torque: &TorqueInterpolant) -> [(&'static str, Vec<f64>); 6] {
+    let column = |value: &dyn Fn(&SpinState) -> f64| cycle.states.iter().map(value).collect::<Vec<_>>();
+    [
+        ("t_myr", column(&|s| s.t_s / MYR_S)),
+        ("period_h", column(&|s| TAU / s.omega / 3600.0)),
+        ("spin_rev_day", column(&|s| s.omega / REV_PER_DAY)),
+        ("obliquity_deg", column(&|s| s.obliquity.to_degrees())),
+        ("spin_torque_n_m", column(&|s| torque.at(s.obliquity, s.omega).0)),
+        ("obliquity_torque_n_m", column(&|s| torque.at(s.obliquity, s.omega).1)),
+    ]
 }
 
 fn of_mesh(arguments: &Arguments) -> Result<Rigid, CliError> {
@@ -68,8 +147,13 @@ fn of_mesh(arguments: &Arguments) -> Result<Rigid, CliError> {
     let body = arguments.sunlit.body(&arguments.body)?;
     let table = taco::torque_table(&body.mesh, &surface, &arguments.sunlit.orbit(), &Sampling::default());
     let torque = table.and_then(|t| t.interpolant(Interpolation::Cubic)).map_err(torque_failed)?;
-    let omega = std::f64::consts::TAU / (6.0 * 3600.0);
-    Ok(Rigid { torque, inertia_kg_m2: body.inertia_kg_m2, omega, obliquity: 5_f64.to_radians() })
+    Ok(Rigid {
+        torque,
+        inertia_kg_m2: body.inertia_kg_m2,
+        density_kg_m3: arguments.sunlit.density_kg_m3,
+        omega: TAU / (6.0 * 3600.0),
+        obliquity: 5_f64.to_radians(),
+    })
 }
 
 fn of_scene(path: &Path) -> Result<Rigid, CliError> {
@@ -81,7 +165,13 @@ fn of_scene(path: &Path) -> Result<Rigid, CliError> {
     let original = Original::new(scene, &built.spheres)?;
     let state = begin(scene, built.spheres)?;
     let shape = object_0(scene, &original, &state, &mut Ledger::default())?;
-    Ok(Rigid { inertia_kg_m2: shape.inertia(), torque: shape.torque, omega: state.omega, obliquity: state.obliquity })
+    Ok(Rigid {
+        inertia_kg_m2: shape.inertia(),
+        density_kg_m3: shape.record.densities_kg_m3[2],
+        torque: shape.torque,
+        omega: state.omega,
+        obliquity: state.obliquity,
+    })
 }
 
 fn end_name(end: RigidEnd) -> &'static str {
@@ -93,7 +183,12 @@ fn end_name(end: RigidEnd) -> &'static str {
     }
 }
 
-fn as_value(cycle: &RigidCycle) -> serde_json::Value {
+/// Revolutions per day and million years in one rad/s^2.
+fn rev_day_myr(omega_rate: f64) -> f64 {
+    omega_rate / REV_PER_DAY * MYR_S
+}
+
+fn as_value(cycle: &RigidCycle, limit: &SpinLimit, integrator: Integrator) -> serde_json::Value {
     // JSON has no infinity: a spin that grows for ever is null, and `end` says so.
     let rev_per_day = |omega: f64| omega.is_finite().then(|| omega / REV_PER_DAY);
     let column = |value: fn(&SpinState) -> f64| cycle.states.iter().map(value).collect::<Vec<_>>();
@@ -103,34 +198,54 @@ fn as_value(cycle: &RigidCycle) -> serde_json::Value {
         "min_spin_rev_day": rev_per_day(cycle.min_omega),
         "end_spin_rev_day": rev_per_day(cycle.end_omega),
         "end_obliquity_deg": cycle.end_obliquity.to_degrees(),
+        "end_spin_rate_change_rev_day_myr": rev_day_myr(cycle.end_omega_rate),
         "cycle_time_myr": cycle.cycle_time_s.map(|t| t / MYR_S),
         "t_myr": column(|s| s.t_s / MYR_S),
         "spin_rev_day": column(|s| s.omega / REV_PER_DAY),
         "obliquity_deg": column(|s| s.obliquity.to_degrees()),
+        "spin_limit_rev_day": rev_per_day(limit.omega),
+        "spin_limit_myr": limit.t_s.map(|t| t / MYR_S),
+        "integrator": match integrator {
+            Integrator::Adaptive { tolerance } => json!({"adaptive": {"tolerance": tolerance}}),
+            Integrator::Rk4 { step_s } => json!({"rk4": {"step_yr": step_s / YEAR_S}}),
+        },
         "steps": cycle.steps,
         "error_estimate": {"spin_rate_relative": cycle.omega_error, "obliquity_deg": cycle.obliquity_error.to_degrees()},
     })
 }
 
-fn as_text(cycle: &RigidCycle) -> String {
+fn as_text(cycle: &RigidCycle, limit: &SpinLimit, integrator: Integrator) -> String {
     let spin = |omega: f64| match omega.is_finite() {
         true => format!("{:.3} rev/day", omega / REV_PER_DAY),
         false => "infinite".to_owned(),
     };
     let last = cycle.states.last().expect("the initial state is always there");
     let time = match (cycle.end, cycle.cycle_time_s) {
-        (_, Some(t)) => format!("spins down to zero after {:.3} Myr", t / MYR_S),
-        (RigidEnd::InfiniteSpinUp, _) => "spins up for ever".to_owned(),
+        (_, Some(t)) => {
+            format!("end of the YORP cycle (t_YC) after {:.4} Myr: spins down to {}", t / MYR_S, spin(cycle.end_omega))
+        }
+        (RigidEnd::InfiniteSpinUp, _) => format!("spins up for ever, followed for {:.3} Myr", last.t_s / MYR_S),
         (RigidEnd::Stalled, _) => format!("stalls after {:.3} Myr", last.t_s / MYR_S),
         _ => format!("on its way after {:.3} Myr", last.t_s / MYR_S),
     };
+    let limit_spin = spin(limit.omega);
+    let limit = match limit.t_s {
+        Some(t) => format!("passed after {:.3} Myr", t / MYR_S),
+        None => "not reached".to_owned(),
+    };
+    let steps = match integrator {
+        Integrator::Adaptive { tolerance } => format!("adaptive steps to {tolerance:e}"),
+        Integrator::Rk4 { step_s } => format!("Runge-Kutta steps of {} yr", step_s / YEAR_S),
+    };
     format!(
-        "{time}\nspin: largest {}, smallest {}, in the end {}\nobliquity in the end: {:.2} deg\n\
-         {} Runge-Kutta steps, error of the spin {:.1e} (relative), of the obliquity {:.1e} deg\n",
+        "{time}\nspin: largest {}, smallest {}, in the end {}\nobliquity in the end: {:.2} deg, where the spin changes by \
+         {:.3e} rev/day/Myr\nspin limit of a sphere of this density: {limit_spin}, {limit}\n\
+         {} {steps}, error of the spin {:.1e} (relative), of the obliquity {:.1e} deg\n",
         spin(cycle.max_omega),
         spin(cycle.min_omega),
         spin(cycle.end_omega),
         cycle.end_obliquity.to_degrees(),
+        rev_day_myr(cycle.end_omega_rate),
         cycle.steps,
         cycle.omega_error,
         cycle.obliquity_error.to_degrees(),

@@ -17,7 +17,7 @@ use super::observer::{Observer, Progress};
 use super::rigid::rigid_cycle;
 use super::settling::{begin, losses, settle_block};
 use super::shedding::Breakup;
-use super::spin::{Leg, LegLimits, SpinState, StopReason, YEAR_S, integrate_leg};
+use super::spin::{Integrator, Leg, LegLimits, SpinState, StopReason, YEAR_S, integrate_leg};
 use crate::scene::{Body, Scene, SceneFile};
 use crate::store::*;
 
@@ -143,10 +143,11 @@ impl Driver<'_> {
         let original = self.ledger.time(Part::Tiling, || Original::new(self.scene, &state.spheres))?;
         let shape = object_0(self.scene, &original, &state, &mut self.ledger)?;
         let start = SpinState { t_s: 0.0, omega: state.omega, obliquity: state.obliquity };
-        let step_s = self.scene.evolution.rk4_step_yr * YEAR_S;
+        let integrator = Integrator::Rk4 { step_s: self.scene.evolution.rk4_step_yr * YEAR_S };
+        let duration_s = RIGID_LIMIT_MYR * MYR_S;
         let cycle = self
             .ledger
-            .time(Part::Spin, || rigid_cycle(&shape.torque, shape.inertia(), start, RIGID_LIMIT_MYR * MYR_S, step_s))?;
+            .time(Part::Spin, || rigid_cycle(&shape.torque, shape.inertia(), start, duration_s, integrator))?;
         let sample = |s: &SpinState| RigidRecord { t_s: s.t_s, omega: s.omega, obliquity: s.obliquity };
         let rigid: Vec<_> = cycle.states.iter().map(sample).collect();
         state.stage = Stage::Evolving;
@@ -186,7 +187,7 @@ impl Driver<'_> {
             end_time_s: self.end_s,
             spin_change: evolution.spin_change / 5_f64.powi(state.refinement as i32),
             stop_period_s: evolution.stop_period_h.map(|h| h * 3600.0),
-            step_s: evolution.rk4_step_yr * YEAR_S,
+            integrator: Integrator::Rk4 { step_s: evolution.rk4_step_yr * YEAR_S },
             // A body that stalls is followed to the end: the next movement may set it going again.
             end_state_fraction: None,
         };

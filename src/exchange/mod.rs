@@ -1,11 +1,13 @@
-//! Files that other programs read and write: aggregates as CSV and VTK, meshes as OBJ and VTK.
+//! Files that other programs read and write: aggregates as CSV and VTK, meshes as OBJ and VTK, curves as CSV.
 
 mod aggregate_file;
 pub mod csv;
 mod mesh_file;
 mod output;
+mod table;
 pub mod vtk;
 
 pub use aggregate_file::{AggregateFileError, MAX_AGGREGATE_BYTES, read_aggregate};
 pub use mesh_file::{MAX_MESH_BYTES, MeshFileError, read_mesh};
 pub use output::{AggregateFormat, MeshFormat, UnknownFormat, WriteError, write_aggregate, write_mesh};
+pub use table::{check_table_name, write_table};

@@ -98,12 +98,12 @@ pub fn write_mesh(mesh: &Mesh, file: &Path, format: MeshFormat) -> Result<(), Wr
     write_whole(file, &bytes)
 }
 
-fn ending(file: &Path) -> String {
+pub(super) fn ending(file: &Path) -> String {
     file.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
 }
 
 /// Writes beside the file and renames, so that a full disk leaves no half file and no lost one.
-fn write_whole(file: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+pub(super) fn write_whole(file: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     let mut name = file.file_name().unwrap_or_default().to_owned();
     name.push(".partial");
     let partial = file.with_file_name(name);

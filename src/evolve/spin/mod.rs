@@ -1,15 +1,22 @@
-//! Spin state of a body under a torque, and one leg of its evolution: the types; `leg` integrates, `events` locates.
+//! Spin state of a body under a torque, and one leg of its evolution: the types; `leg` follows it from event to event,
+//! `rk4` and `adaptive` take the steps.
 //!
 //! Source: Rubincam (2000), Icarus 148, 2, as in Cotto-Figueroa et al. (2015), ApJ 803, 25, equations 2 and 3:
-//! `d omega/dt = T_omega / C`, `d epsilon/dt = T_epsilon / (C omega)`, fourth-order Runge-Kutta.
+//! `d omega/dt = T_omega / C`, `d epsilon/dt = T_epsilon / (C omega)`.
 //! SI units; obliquity is the angle between the spin vector and the orbit normal, 0 to pi rad.
 
+mod adaptive;
 mod events;
 mod leg;
+mod problem;
+mod rk4;
 #[cfg(test)]
 mod tests;
+mod zero;
 
 pub use leg::integrate_leg;
+pub(crate) use leg::{Course, follow_leg};
+pub(crate) use zero::standstill;
 
 /// Julian year, s.
 pub const YEAR_S: f64 = 365.25 * 86_400.0;
@@ -43,12 +50,27 @@ pub struct SpinState {
     pub obliquity: f64,
 }
 
-/// When a leg ends, and the step it is taken with.
+/// How a leg is integrated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Integrator {
+    /// Fourth-order Runge-Kutta in spin rate and obliquity.
+    Rk4 {
+        /// Step, s; 1000 yr in the paper. Cut where the obliquity would turn by more than 0.01 rad or the spin rate
+        /// change by more than 5 % within one.
+        step_s: f64,
+    },
+    /// Embedded Runge-Kutta of order 5 in the components of the spin vector along and across the orbit normal.
+    Adaptive {
+        /// Error allowed to one step, relative to the spin rate, hence in rad for the obliquity; 1e-13 to 0.01.
+        tolerance: f64,
+    },
+}
+
+/// When a leg ends, and the steps it is taken with.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LegLimits {
-    /// Runge-Kutta step, s \[1000 yr\]. Steps are cut where the obliquity would turn by more than 0.01 rad or the spin
-    /// change by more than 5 % within one.
-    pub step_s: f64,
+    /// How it is integrated \[fourth-order Runge-Kutta, 1000 yr\].
+    pub integrator: Integrator,
     /// Relative change of the spin rate since the start of the leg that ends it \[0.005\]; infinite for never.
     pub spin_change: f64,
     /// Time at which the run ends, s on the clock of [`SpinState::t_s`].
@@ -64,7 +86,7 @@ impl LegLimits {
     /// The values of Cotto-Figueroa et al. (2015), section 2.4 and 3, with the given end time, s.
     pub fn until(end_time_s: f64) -> Self {
         Self {
-            step_s: 1000.0 * YEAR_S,
+            integrator: Integrator::Rk4 { step_s: 1000.0 * YEAR_S },
             spin_change: 0.005,
             end_time_s,
             stop_period_s: Some(20.0 * 3600.0),
@@ -99,7 +121,7 @@ pub struct Leg {
     pub reason: StopReason,
     /// Runge-Kutta steps taken; 0 if the start state is already an end ([`StopReason::EndTime`] and the like).
     pub steps: u64,
-    /// Difference to the same leg taken with half the step, made an estimate of the error of the leg.
+    /// Difference to the same leg taken with half the step or a tenth of the tolerance, made an estimate of its error.
     pub error: LegError,
 }
 
@@ -125,6 +147,20 @@ pub enum SpinError {
         value: f64,
         /// The range.
         allowed: &'static str,
+    },
+    /// A torque that varies so wildly that no step keeps the tolerance.
+    #[error(
+        "at {:.6} Myr a step of {step_s:e} s does not meet the tolerance {tolerance:e}: the torque jumps or the body \
+         is too small for this time span",
+        t_s / (1e6 * YEAR_S)
+    )]
+    StepTooSmall {
+        /// Time, s.
+        t_s: f64,
+        /// Last step, s.
+        step_s: f64,
+        /// The tolerance.
+        tolerance: f64,
     },
     /// A torque or the state that followed from it is not finite.
     #[error(

@@ -12,7 +12,7 @@ const INERTIA: f64 = 3.7e17;
 /// Only the end time ends a leg.
 fn to_the_end(end_time_s: f64, step_yr: f64) -> LegLimits {
     LegLimits {
-        step_s: step_yr * YEAR_S,
+        integrator: Integrator::Rk4 { step_s: step_yr * YEAR_S },
         spin_change: f64::INFINITY,
         end_time_s,
         stop_period_s: None,
@@ -23,6 +23,11 @@ fn to_the_end(end_time_s: f64, step_yr: f64) -> LegLimits {
 /// `T_omega = A C cos eps`, `T_epsilon = B C sin eps` with `k = A / B`.
 fn cosine_pair(a: f64, b: f64) -> impl Fn(f64, f64) -> (f64, f64) {
     move |e, _| (a * INERTIA * e.cos(), b * INERTIA * e.sin())
+}
+
+/// The same with steps that keep a tolerance.
+fn within(end_time_s: f64, tolerance: f64) -> LegLimits {
+    LegLimits { integrator: Integrator::Adaptive { tolerance }, ..to_the_end(end_time_s, 1000.0) }
 }
 
 fn start(obliquity_deg: f64) -> SpinState {
@@ -48,6 +53,10 @@ fn cosine_pair_follows_its_closed_form_to_1e_minus_12() {
         assert!((leg.end.omega / OMEGA_6H - ratio).abs() < 1e-12, "k = {k}");
         assert!((leg.end.obliquity.to_degrees() - degrees).abs() < 1e-12, "k = {k}");
         assert_eq!((leg.reason, leg.end.t_s, leg.steps), (StopReason::EndTime, MYR_S, 1000));
+        let adaptive = integrate_leg(&cosine_pair(A, A / k), INERTIA, start(5.0), &within(MYR_S, 1e-12)).unwrap();
+        assert!((adaptive.end.omega / omega - 1.0).abs() < 1e-11, "k = {k}: {}", adaptive.end.omega / omega - 1.0);
+        assert!((adaptive.end.obliquity - obliquity).abs() < 1e-11, "k = {k}");
+        assert!(adaptive.steps < 100, "{}", adaptive.steps);
     }
 }
 
@@ -91,6 +100,47 @@ fn error_falls_with_the_fourth_power_of_the_step() {
     assert!((0.7..1.4).contains(&estimate), "estimate / error = {estimate}");
 }
 
+#[test]
+fn error_follows_the_tolerance_and_the_estimate_follows_the_error() {
+    let torque = cosine_pair(A, A);
+    let end = 60.0 * MYR_S;
+    let e0 = 5.0_f64.to_radians();
+    let exact = e0 + A * e0.sin() * end / OMEGA_6H;
+    let mut last = f64::INFINITY;
+    for tolerance in [1e-8, 1e-9, 1e-10, 1e-11] {
+        let leg = integrate_leg(&torque, INERTIA, start(5.0), &within(end, tolerance)).unwrap();
+        let error = (leg.end.obliquity - exact).abs();
+        println!(
+            "tolerance {tolerance:e}: {} steps, error {error:.1e}, estimate {:.1e}",
+            leg.steps, leg.error.obliquity
+        );
+        assert!(error < 10.0 * tolerance && error < 0.5 * last, "{tolerance:e}: {error:e}");
+        assert!((0.5..2.0).contains(&(leg.error.obliquity / error)), "{:e} for {error:e}", leg.error.obliquity);
+        last = error;
+    }
+}
+
+#[test]
+fn course_within_an_adaptive_step_is_of_fourth_order() {
+    let torque = cosine_pair(A, A);
+    let s = start(30.0);
+    let worst = |tolerance: f64| {
+        let mut worst = 0.0_f64;
+        let mut look = |course: &Course| {
+            for k in 1..10 {
+                let state = course.at(0.1 * f64::from(k));
+                let exact = s.obliquity + A * s.obliquity.sin() * state.t_s / OMEGA_6H;
+                worst = worst.max((state.obliquity - exact).abs());
+            }
+        };
+        follow_leg(&torque, INERTIA, s, &within(20.0 * MYR_S, tolerance), &mut look).unwrap();
+        worst
+    };
+    for tolerance in [1e-6, 1e-9] {
+        assert!(worst(tolerance) < 20.0 * tolerance, "{tolerance:e}: {:e}", worst(tolerance));
+    }
+}
+
 /// Independent integration in `p = omega cos eps`, `q = omega sin eps`, which is regular at the poles and at zero spin.
 fn integrate_pq(torque: impl Fn(f64, f64) -> (f64, f64), start: &SpinState, duration_s: f64, steps: u32) -> (f64, f64) {
     let rate = |p: f64, q: f64| {
@@ -126,6 +176,12 @@ fn regular_variables_give_the_same_evolution_down_to_1e_minus_6_rad_per_s() {
     // The spin has fallen by a factor of 80 since the start; round-off of either form grows by as much.
     assert!((p.hypot(q) - leg.end.omega).abs() < 1e-10 * OMEGA_6H, "{} {}", p.hypot(q), leg.end.omega);
     assert!((q.atan2(p) - leg.end.obliquity).abs() < 1e-10, "{}", q.atan2(p) - leg.end.obliquity);
+    // The adaptive integrator, which works in these variables, to 1e-10 down to 1e-6 rad/s as well.
+    limits.integrator = Integrator::Adaptive { tolerance: 1e-13 };
+    let adaptive = integrate_leg(&torque, INERTIA, s, &limits).unwrap();
+    assert_eq!(adaptive.reason, StopReason::CycleEnd);
+    assert!((adaptive.end.t_s / leg.end.t_s - 1.0).abs() < 1e-10, "{}", adaptive.end.t_s / leg.end.t_s - 1.0);
+    assert!((adaptive.end.obliquity - leg.end.obliquity).abs() < 1e-10);
 }
 
 #[test]
@@ -136,9 +192,28 @@ fn regular_variables_pass_zero_spin_and_the_leg_ends_before_it() {
     let zero_s = s.obliquity * OMEGA_6H / (A * s.obliquity.sin());
     let (p, q) = integrate_pq(&torque, &s, 2.0 * zero_s, 20_000);
     assert!(p.is_finite() && q.is_finite(), "beyond zero spin: {p} {q}");
-    let leg = integrate_leg(&torque, INERTIA, s, &to_the_end(2.0 * zero_s, 1000.0)).unwrap();
-    assert_eq!(leg.reason, StopReason::CycleEnd);
-    assert!((leg.end.t_s / zero_s - 1.0).abs() < 0.02);
+    for limits in [to_the_end(2.0 * zero_s, 1000.0), within(2.0 * zero_s, 1e-9)] {
+        let leg = integrate_leg(&torque, INERTIA, s, &limits).unwrap();
+        assert_eq!(leg.reason, StopReason::CycleEnd);
+        assert!((leg.end.t_s / zero_s - 1.0).abs() < 0.02);
+        // From there to zero, at the time of the closed form.
+        let stop = standstill(&torque, INERTIA, &leg.end).unwrap();
+        let t_s = leg.end.t_s + stop.duration_s;
+        assert!((t_s / zero_s - 1.0).abs() < 1e-7, "{}", t_s / zero_s - 1.0);
+        assert_eq!(stop.omega, 0.0);
+        assert!(stop.obliquity < 1e-4);
+    }
+}
+
+#[test]
+fn a_spin_that_turns_before_it_vanishes_is_found_at_its_minimum() {
+    // T_omega < 0 below 45 degrees and > 0 above, the axis on its way up: omega^2 = omega0^2 sin 2 eps0 / sin 2 eps.
+    let torque = |e: f64, _: f64| (-A * INERTIA * (2.0 * e).cos(), A * INERTIA * (2.0 * e).sin());
+    let slow = SpinState { t_s: 0.0, omega: 0.9 * CYCLE_END_OMEGA, obliquity: 0.5 };
+    let stop = standstill(&torque, INERTIA, &slow).unwrap();
+    let least = slow.omega * (2.0 * slow.obliquity).sin().sqrt();
+    assert!((stop.omega / least - 1.0).abs() < 1e-8, "{} {least}", stop.omega);
+    assert!((stop.obliquity - PI / 4.0).abs() < 1e-8);
 }
 
 #[test]
