@@ -2,42 +2,118 @@
 
 use crate::day::Day;
 use crate::declination::Declinations;
-use crate::exchange::{Azimuths, Exchange, Scattering};
+use crate::exchange::{Azimuths, Exchange, Scattering, Wrench};
 use crate::facets::Facet;
 use crate::horizon::{Horizon, HorizonMap};
+use crate::pose::Pose;
 use crate::recoil::RecoilKernel;
+use crate::samples::{SampledHorizons, Subdivision};
+use crate::sampling::Sampling;
 use crate::scanner::{ScanScratch, Scanner};
 use crate::season::{Curve, Season};
 use crate::sky::{SkyView, sky_view};
-use crate::surface::Surface;
+use crate::surface::{SelfHeating, Surface};
 use rayon::prelude::*;
 use tiling::Mesh;
 
 /// Facets summed by one thread before the sums are added up in order; fixed, so that the thread count changes no byte.
 const CHUNK: usize = 64;
-/// One in this many shaded facets is looked at from three points, to estimate what the centroid rule costs.
-const SAMPLED_ONE_IN: usize = 16;
-/// At least this many facets are looked at from three points.
-const SAMPLED_AT_LEAST: usize = 48;
+/// What sampling costs is estimated from one in at most this many shaded facets; a power of two.
+const ESTIMATED_ONE_IN: usize = 16;
+/// At least this many facets are looked at for that.
+const ESTIMATED_AT_LEAST: usize = 48;
+
+/// A mesh with its horizons, all in the frame of the mesh.
+#[derive(Debug)]
+pub(crate) struct Shading {
+    pub scanner: Scanner,
+    /// Facets as the horizons see them.
+    pub facets: Vec<Facet>,
+    /// Horizons of the centroids.
+    pub map: HorizonMap,
+    pub subdivision: Subdivision,
+    /// Horizons of the parts of the facets; `None` if the centroid stands for the facet.
+    pub samples: Option<SampledHorizons>,
+    /// Light between facets; `None` if the surface does not ask for it or no facet sees another.
+    pub exchange: Option<Exchange>,
+    heating: SelfHeating,
+}
+
+impl Shading {
+    /// `None` if the surface asks for nothing that depends on what a facet sees.
+    pub fn new(mesh: &Mesh, facets: &[Facet], surface: &Surface, sampling: &Sampling) -> Option<Self> {
+        let heating = surface.self_heating;
+        if !(surface.shadows || surface.sky_blockage || heating != SelfHeating::None) {
+            return None;
+        }
+        let scanner = Scanner::new(mesh, sampling.azimuth_bins);
+        let map = HorizonMap::of(facets, &scanner);
+        let subdivision = Subdivision::new(sampling.facet_samples);
+        let sampled = || SampledHorizons::new(mesh, facets, &scanner, &map, &subdivision);
+        let samples = (sampling.facet_samples > 1).then(sampled);
+        let exchange = Exchange::new(facets, &scanner, &map, heating);
+        Some(Self { facets: facets.to_vec(), scanner, map, subdivision, samples, exchange, heating })
+    }
+
+    /// Moves to another shape, on which all horizons but those of the facets `touched` are the same.
+    pub fn look_again(&mut self, mesh: &Mesh, facets: Vec<Facet>, scanner: Scanner, touched: &[usize]) {
+        (self.facets, self.scanner) = (facets, scanner);
+        self.map.look_again(&self.facets, &self.scanner, touched);
+        if let Some(samples) = &mut self.samples {
+            samples.look_again(mesh, &self.facets, &self.scanner, &self.map, &self.subdivision, touched);
+        }
+        self.exchange = Exchange::new(&self.facets, &self.scanner, &self.map, self.heating);
+    }
+
+    /// The shaded facets from which sampling errors are estimated. Which of them does not depend on the others, so that most
+    /// stay the same when the shape changes a little.
+    fn estimated(&self) -> Vec<usize> {
+        let shaded: Vec<usize> = (0..self.facets.len()).filter(|f| self.map.horizon(*f).is_some()).collect();
+        let most = (shaded.len() / ESTIMATED_AT_LEAST).clamp(1, ESTIMATED_ONE_IN);
+        let one_in = 1 << most.ilog2();
+        // Multiples of the golden section are spread evenly, and do not keep step with the order of the facets.
+        let spread = |f: usize| (f as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32;
+        shaded.into_iter().filter(|f| spread(*f) % one_in == 0).collect()
+    }
+}
+
+/// Responses of the facets, kept as long as neither they nor their horizons change.
+#[derive(Debug, Default)]
+pub(crate) struct Memory {
+    /// Responses, facet by facet.
+    responses: Vec<f64>,
+    /// Whether a facet's response is there.
+    known: Vec<bool>,
+    /// What finer sampling changes, of the facets that were looked at for it.
+    differences: Vec<Option<Box<[f64]>>>,
+}
+
+impl Memory {
+    /// Forgets one facet.
+    pub fn forget(&mut self, facet: usize) {
+        self.known.get_mut(facet).into_iter().for_each(|k| *k = false);
+        self.differences.get_mut(facet).into_iter().for_each(|d| *d = None);
+    }
+}
 
 /// A body with all that its torque needs.
 pub(crate) struct Body<'a, K> {
     pub mesh: &'a Mesh,
+    /// Facets in the frame of the body.
     pub facets: &'a [Facet],
+    pub pose: &'a Pose,
     pub surface: &'a Surface,
     pub kernel: &'a K,
-    /// Edges and horizons; `None` if the surface asks for neither shadows nor sky blockage.
-    pub horizons: Option<(&'a Scanner, &'a HorizonMap)>,
-    /// Light between facets; `None` if the surface does not ask for it or no facet sees another.
-    pub exchange: Option<&'a Exchange>,
+    /// Horizons; `None` if the surface asks for neither shadows nor sky blockage.
+    pub shading: Option<&'a Shading>,
 }
 
-/// Torque per unit pressure, N m / Pa.
-pub(crate) struct Rotation {
-    /// `[tau_z, tau_u]` at each declination.
-    pub response: Vec<f64>,
-    /// What halving the number of azimuths adds, at the coarse declinations.
-    pub coarser_azimuths: Vec<f64>,
+/// What finer sampling would change, one curve of non-negative numbers each.
+pub(crate) struct SamplingErrors {
+    /// Twice the distance between azimuths.
+    pub azimuth_bins: Curve,
+    /// Three points for each of a facet's triangles.
+    pub facet_samples: Curve,
 }
 
 impl<K: RecoilKernel> Body<'_, K> {
@@ -47,95 +123,173 @@ impl<K: RecoilKernel> Body<'_, K> {
         (horizon.filter(|_| self.surface.shadows), sky)
     }
 
-    /// Sums over all facets, with `declinations` and with `coarse`, which has every `stride`-th of them.
-    pub fn rotation(&self, declinations: &Declinations, coarse: &Declinations, stride: usize) -> Rotation {
-        let (m, m_coarse) = (2 * declinations.len(), 2 * coarse.len());
-        let followed = Scattering(self.kernel);
-        let state = || {
-            let days = (Day::new(self.kernel, declinations), Day::new(self.kernel, coarse));
-            (days, (Day::new(&followed, declinations), Day::new(&followed, coarse)), vec![0.0; m])
-        };
-        let indices: Vec<usize> = (0..self.facets.len()).collect();
-        let chunks: Vec<Vec<f64>> = indices
-            .par_chunks(CHUNK)
-            .map_init(state, |((day, coarse_day), (followed_day, coarse_followed_day), own), chunk| {
-                let mut sum = vec![0.0; m + m_coarse];
-                for &f in chunk {
-                    let facet = &self.facets[f];
-                    let horizon = self.horizons.and_then(|(_, map)| map.horizon(f));
-                    let (shadows, sky) = self.view(horizon);
-                    let Some(horizon) = horizon else {
-                        day.add(facet, shadows, &sky, 1.0, &mut sum[..m]);
-                        continue;
-                    };
-                    own.fill(0.0);
-                    match self.exchange.and_then(|e| e.wrench(f, Azimuths::All)) {
-                        None => day.add(facet, shadows, &sky, 1.0, own),
-                        Some(wrench) => followed_day.add_followed(facet, shadows, wrench, 1.0, own),
-                    }
-                    sum.iter_mut().zip(&*own).for_each(|(s, o)| *s += o);
-                    let every_other = horizon.every_other();
-                    let (shadows, sky) = self.view(Some(&every_other));
-                    let out = &mut sum[m..];
-                    match self.exchange.and_then(|e| e.wrench(f, Azimuths::EveryOther)) {
-                        None => coarse_day.add(facet, shadows, &sky, 1.0, out),
-                        Some(wrench) => coarse_followed_day.add_followed(facet, shadows, wrench, 1.0, out),
-                    }
-                    for (s, o) in sum[m..].chunks_mut(2).zip(own.chunks(2).step_by(stride)) {
-                        s[0] -= o[0];
-                        s[1] -= o[1];
-                    }
-                }
-                sum
-            })
-            .collect();
-        let mut response = vec![0.0; m + m_coarse];
-        for chunk in &chunks {
-            response.iter_mut().zip(chunk).for_each(|(r, c)| *r += c);
-        }
-        let coarser_azimuths = response.split_off(m);
-        Rotation { response, coarser_azimuths }
+    /// What the light of a facet does to the body in its frame, if part of it is followed to other facets.
+    fn wrench(&self, f: usize, azimuths: Azimuths) -> Option<Wrench> {
+        let exchange = self.shading?.exchange.as_ref()?;
+        Some(self.pose.wrench(exchange.wrench(f, azimuths)?))
     }
 
-    /// Expected distance between the torques of the centroid rule and those with three points a facet, as a curve of
-    /// non-negative numbers: from a sample of the shaded facets, taking their differences as independent of each other
-    /// apart from a common mean. Zero for a convex body.
-    pub fn centroid_rule(&self, coarse: &Declinations, season: &Season) -> Option<Curve> {
-        let (scanner, map) = self.horizons?;
-        let shaded: Vec<usize> = (0..self.facets.len()).filter(|f| map.horizon(*f).is_some()).collect();
-        let stride = (shaded.len() / SAMPLED_AT_LEAST).clamp(1, SAMPLED_ONE_IN);
-        let sample: Vec<usize> = shaded.iter().copied().step_by(stride).collect();
-        let state = || (Day::new(self.kernel, coarse), ScanScratch::default());
-        let differences: Vec<Curve> = sample
-            .par_iter()
-            .map_init(state, |(day, scratch), &f| {
-                let facet = &self.facets[f];
-                let mut response = vec![0.0; 2 * coarse.len()];
-                let (shadows, sky) = self.view(map.horizon(f));
-                day.add(facet, shadows, &sky, -1.0, &mut response);
-                for corner in self.mesh.corners(f) {
-                    // (2/3, 1/6, 1/6) in barycentric coordinates: the three-point rule of second order.
-                    let point = facet.at(std::array::from_fn(|k| 0.5 * (facet.point[k] + corner[k])));
-                    let horizon = scanner.horizon(&point, scratch);
-                    let (shadows, sky) = self.view(horizon.as_ref());
-                    day.add(&point, shadows, &sky, 1.0 / 3.0, &mut response);
-                }
-                season.curve(&response, 1)
-            })
-            .collect();
-        let estimate = |value: &dyn Fn(&Curve) -> &[f64]| -> Vec<f64> {
-            let count = differences.len().max(1) as f64;
-            let obliquities = differences.first().map_or(0, |c| value(c).len());
-            (0..obliquities)
-                .map(|e| {
-                    let mean = differences.iter().map(|d| value(d)[e]).sum::<f64>() / count;
-                    let square = differences.iter().map(|d| value(d)[e].powi(2)).sum::<f64>() / count;
-                    let all = shaded.len() as f64;
-                    // The sample's mean exceeds the true one by its own scatter.
-                    (all * square + all * all * (mean * mean - square / count).max(0.0)).sqrt()
-                })
-                .collect()
-        };
-        Some(Curve { spin: estimate(&|c| &c.spin), obliquity: estimate(&|c| &c.obliquity) })
+    /// Adds the response of a facet or a part of it, times `weight`, to `out`.
+    fn add(
+        &self,
+        days: &mut Days<K>,
+        facet: &Facet,
+        horizon: Option<&Horizon>,
+        wrench: Option<&Wrench>,
+        weight: f64,
+        out: &mut [f64],
+    ) {
+        let (shadows, sky) = self.view(horizon);
+        match wrench {
+            None => days.plain.add(facet, shadows, &sky, weight, out),
+            Some(wrench) => days.followed.add_followed(facet, shadows, wrench, weight, out),
+        }
     }
+
+    /// Adds the response of a facet, times `weight`, to `out`; with horizons at every other azimuth if `HALVED`.
+    fn respond<const HALVED: bool>(&self, days: &mut Days<K>, f: usize, weight: f64, out: &mut [f64]) {
+        let facet = &self.facets[f];
+        let wrench = self.wrench(f, if HALVED { Azimuths::EveryOther } else { Azimuths::All });
+        let mut add = |facet: &Facet, horizon: Option<&Horizon>, weight: f64| {
+            let halved = horizon.filter(|_| HALVED).map(Horizon::every_other);
+            self.add(days, facet, halved.as_ref().or(horizon), wrench.as_ref(), weight, out);
+        };
+        let Some((shading, horizon)) = self.shading.and_then(|s| Some((s, s.map.horizon(f)?))) else {
+            return add(facet, None, weight);
+        };
+        let Some(samples) = &shading.samples else {
+            return add(facet, Some(horizon), weight);
+        };
+        let weight = weight / shading.subdivision.len() as f64;
+        for (point, horizon) in shading.subdivision.points(self.mesh, f).zip(samples.of(f)) {
+            add(&facet.at(self.pose.point(point)), horizon.as_ref(), weight);
+        }
+    }
+
+    /// Torque per unit pressure, N m / Pa: `[tau_z, tau_u]` at each declination, summed over all facets. What `memory` knows
+    /// is not computed again; the sum is the same to the last bit.
+    pub fn response(&self, declinations: &Declinations, memory: Option<&mut Memory>) -> Vec<f64> {
+        let (facets, m) = (self.facets.len(), 2 * declinations.len());
+        let followed = Scattering(self.kernel);
+        let days = || Days::new(self.kernel, &followed, declinations);
+        let chunks: Vec<Vec<f64>> = match memory {
+            None => (0..facets.div_ceil(CHUNK))
+                .into_par_iter()
+                .map_init(
+                    || (days(), vec![0.0; m]),
+                    |(days, own), c| {
+                        let mut sum = vec![0.0; m];
+                        for f in c * CHUNK..facets.min((c + 1) * CHUNK) {
+                            own.fill(0.0);
+                            self.respond::<false>(days, f, 1.0, own);
+                            add_to(&mut sum, own);
+                        }
+                        sum
+                    },
+                )
+                .collect(),
+            Some(Memory { responses, known, .. }) => {
+                responses.resize(facets * m, 0.0);
+                known.resize(facets, false);
+                let chunks = responses.par_chunks_mut(CHUNK * m).zip(known.par_chunks_mut(CHUNK)).enumerate();
+                chunks
+                    .map_init(days, |days, (c, (responses, known))| {
+                        let mut sum = vec![0.0; m];
+                        for (i, (own, known)) in responses.chunks_mut(m).zip(known).enumerate() {
+                            if !*known {
+                                own.fill(0.0);
+                                self.respond::<false>(days, c * CHUNK + i, 1.0, own);
+                                *known = true;
+                            }
+                            add_to(&mut sum, own);
+                        }
+                        sum
+                    })
+                    .collect()
+            }
+        };
+        let mut sum = vec![0.0; m];
+        chunks.iter().for_each(|chunk| add_to(&mut sum, chunk));
+        sum
+    }
+
+    /// Expected distance between the torques and those with half the azimuths, or with three points for each triangle of a
+    /// facet: from a sample of the shaded facets, taking their differences as independent of each other apart from a common
+    /// mean. `None` for a convex body.
+    pub fn sampling_errors(
+        &self,
+        coarse: &Declinations,
+        season: &Season,
+        memory: Option<&mut Memory>,
+    ) -> Option<SamplingErrors> {
+        let shading = self.shading.filter(|s| s.map.shaded_facets() > 0)?;
+        let sample = shading.estimated();
+        let mut own = Memory::default();
+        let Memory { differences, .. } = memory.unwrap_or(&mut own);
+        differences.resize(self.facets.len(), None);
+        let missing: Vec<usize> = sample.iter().copied().filter(|f| differences[*f].is_none()).collect();
+        let followed = Scattering(self.kernel);
+        let state = || (Days::new(self.kernel, &followed, coarse), ScanScratch::default());
+        let compute =
+            |(days, scratch): &mut (Days<K>, ScanScratch), f: &usize| self.differences(shading, days, scratch, *f);
+        let found: Vec<Box<[f64]>> = missing.par_iter().map_init(state, compute).collect();
+        missing.iter().zip(found).for_each(|(f, found)| differences[*f] = Some(found));
+        let curves = |part: usize| -> Vec<Curve> {
+            let known = sample.iter().filter_map(|f| differences[*f].as_deref());
+            known.map(|d| season.curve(&d[part * d.len() / 2..(part + 1) * d.len() / 2], 1)).collect()
+        };
+        let shaded = shading.map.shaded_facets() as f64;
+        let estimate = |curves: Vec<Curve>| Curve {
+            spin: extrapolated(&curves.iter().map(|c| &*c.spin).collect::<Vec<_>>(), shaded),
+            obliquity: extrapolated(&curves.iter().map(|c| &*c.obliquity).collect::<Vec<_>>(), shaded),
+        };
+        Some(SamplingErrors { azimuth_bins: estimate(curves(0)), facet_samples: estimate(curves(1)) })
+    }
+
+    /// What half the azimuths and what three points for each triangle change in the response of a facet.
+    fn differences(&self, shading: &Shading, days: &mut Days<K>, scratch: &mut ScanScratch, f: usize) -> Box<[f64]> {
+        let n = 2 * days.plain.declinations();
+        let mut both = vec![0.0; 2 * n].into_boxed_slice();
+        let (azimuths, finer) = both.split_at_mut(n);
+        self.respond::<false>(days, f, -1.0, finer);
+        azimuths.copy_from_slice(finer);
+        self.respond::<true>(days, f, 1.0, azimuths);
+        let wrench = self.wrench(f, Azimuths::All);
+        let weight = 1.0 / (3 * shading.subdivision.len()) as f64;
+        for point in shading.subdivision.finer_points(self.mesh, f) {
+            let horizon = shading.scanner.horizon(&shading.facets[f].at(point), scratch);
+            let part = self.facets[f].at(self.pose.point(point));
+            self.add(days, &part, horizon.as_ref(), wrench.as_ref(), weight, finer);
+        }
+        both
+    }
+}
+
+/// Averages over the rotation of facets whose light is followed to others and of all other facets.
+struct Days<'a, K> {
+    plain: Day<'a, K>,
+    followed: Day<'a, Scattering<'a, K>>,
+}
+
+impl<'a, K: RecoilKernel> Days<'a, K> {
+    fn new(kernel: &'a K, followed: &'a Scattering<'a, K>, declinations: &'a Declinations) -> Self {
+        Self { plain: Day::new(kernel, declinations), followed: Day::new(followed, declinations) }
+    }
+}
+
+/// Root mean square of the sum of `all` differences, obliquity by obliquity, of which these are a sample.
+fn extrapolated(sample: &[&[f64]], all: f64) -> Vec<f64> {
+    let count = sample.len().max(1) as f64;
+    let obliquities = sample.first().map_or(0, |values| values.len());
+    let at = |e: usize| {
+        let mean = sample.iter().map(|d| d[e]).sum::<f64>() / count;
+        let square = sample.iter().map(|d| d[e] * d[e]).sum::<f64>() / count;
+        // The sample's mean exceeds the true one by its own scatter.
+        (all * square + all * all * (mean * mean - square / count).max(0.0)).sqrt()
+    };
+    (0..obliquities).map(at).collect()
+}
+
+fn add_to(sum: &mut [f64], more: &[f64]) {
+    sum.iter_mut().zip(more).for_each(|(s, m)| *s += m);
 }

@@ -59,6 +59,11 @@ impl<'a, K: RecoilKernel> Day<'a, K> {
         Self { kernel, arcs: Arcs::new(kernel), declinations, azimuths: Vec::new(), polygon: Vec::new(), crossings }
     }
 
+    /// Number of declinations.
+    pub fn declinations(&self) -> usize {
+        self.declinations.len()
+    }
+
     /// Adds the facet's response times `weight` to `out`, which holds two numbers a declination. `shadows` is the
     /// horizon (with an even number of azimuths), or `None` if nothing shades the facet.
     pub fn add(&mut self, facet: &Facet, shadows: Option<&Horizon>, sky: &SkyView, weight: f64, out: &mut Response) {
@@ -266,7 +271,8 @@ fn for_each_free(from: f64, to: f64, step: f64, covered: impl Fn(f64) -> bool, m
 }
 
 /// Direction of an azimuth (cosine, sine) and elevation (tangent) in the facet's (meridian, east, spin axis) frame.
-fn on_sky(facet: &Facet, [cos_az, sin_az]: [f64; 2], tan_elevation: f64) -> [f64; 3] {
+fn on_sky(facet: &Facet, azimuth: [f64; 2], tan_elevation: f64) -> [f64; 3] {
+    let [cos_az, sin_az] = facet.from_origin(azimuth);
     // north = (-s, 0, c), west = (0, -1, 0), up = (c, 0, s).
     let (s, c) = (facet.sin_lat, facet.cos_lat);
     let cos_h = 1.0 / (1.0 + tan_elevation * tan_elevation).sqrt();
@@ -293,7 +299,8 @@ fn add_pieces(from: &[f64; 3], to: &[f64; 3], polygon: &mut Vec<[f64; 3]>) {
 fn horizontal(facet: &Facet, horizon: &Horizon, [meridian, east, axis]: [f64; 3]) -> (f64, f64, f64) {
     let (s, c) = (facet.sin_lat, facet.cos_lat);
     let (north, west, up) = (c * axis - s * meridian, -east, c * meridian + s * axis);
-    let position = rough_azimuth(north, west).rem_euclid(TAU) / TAU * horizon.tan_elevation.len() as f64;
+    let [x, y] = facet.to_origin([north, west]);
+    let position = rough_azimuth(x, y).rem_euclid(TAU) / TAU * horizon.tan_elevation.len() as f64;
     (position, (north * north + west * west).sqrt(), up)
 }
 
@@ -344,7 +351,7 @@ struct Arms {
 impl Arms {
     fn new(facet: &Facet, sky: &SkyView) -> Self {
         let (s, c) = (facet.sin_lat, facet.cos_lat);
-        let [north, west] = sky.tangential;
+        let [north, west] = facet.from_origin(sky.tangential);
         let up = sky.normal;
         let emitted = cross(facet.local_point(), [c * up - s * north, -west, c * north + s * up]);
         Self::with_emitted(facet, emitted)

@@ -17,10 +17,12 @@ pub(crate) struct Facet {
     pub cos_lat: f64,
     /// Horizontal unit vector of the normal, body x and y; x for a normal along the spin axis.
     meridian: [f64; 2],
+    /// Cosine and sine of the angle, from north over west, of the direction from which the horizon's azimuths are counted.
+    pub azimuth_origin: [f64; 2],
 }
 
 impl Facet {
-    fn new(point: [f64; 3], area_vector: [f64; 3]) -> Self {
+    pub fn new(point: [f64; 3], area_vector: [f64; 3]) -> Self {
         let [x, y, z] = area_vector;
         let horizontal = x.hypot(y);
         let area = horizontal.hypot(z);
@@ -29,7 +31,31 @@ impl Facet {
         let (meridian, cos_lat) =
             if polar { ([1.0, 0.0], 0.0) } else { ([x / horizontal, y / horizontal], horizontal / area) };
         let sin_lat = if polar { z.signum() } else { z / area };
-        Self { point, area, sin_lat, cos_lat, meridian }
+        Self { point, area, sin_lat, cos_lat, meridian, azimuth_origin: [1.0, 0.0] }
+    }
+
+    /// The facet with a horizon whose azimuths are counted from a direction in its plane.
+    pub fn with_azimuths_from(self, direction: [f64; 3]) -> Self {
+        let [north, west, _] = self.horizon_axes();
+        let along = |axis: [f64; 3]| (0..3).map(|k| axis[k] * direction[k]).sum::<f64>();
+        let (c, s) = (along(north), along(west));
+        let length = c.hypot(s);
+        Self { azimuth_origin: [c / length, s / length], ..self }
+    }
+
+    /// A direction in the facet's plane, as components along the origin of the azimuths and a quarter turn further, turned
+    /// to components along north and west.
+    #[inline(always)]
+    pub fn from_origin(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let [c, s] = self.azimuth_origin;
+        [c * x - s * y, s * x + c * y]
+    }
+
+    /// The opposite of [`Self::from_origin`].
+    #[inline(always)]
+    pub fn to_origin(&self, [north, west]: [f64; 2]) -> [f64; 2] {
+        let [c, s] = self.azimuth_origin;
+        [c * north + s * west, c * west - s * north]
     }
 
     /// Axes of the horizon: north, west and the normal, body frame. Azimuth runs from north over west.

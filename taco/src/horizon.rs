@@ -65,6 +65,14 @@ impl HorizonMap {
         Self { azimuth_bins: scanner.azimuths.len(), horizons }
     }
 
+    /// The map of a mesh on which all horizons but those of the facets `touched` are the same.
+    pub(crate) fn look_again(&mut self, facets: &[Facet], scanner: &Scanner, touched: &[usize]) {
+        self.horizons.resize(facets.len(), None);
+        let look = |scratch: &mut ScanScratch, f: &usize| scanner.horizon(&facets[*f], scratch);
+        let found: Vec<_> = touched.par_iter().map_init(ScanScratch::default, look).collect();
+        touched.iter().zip(found).for_each(|(f, horizon)| self.horizons[*f] = horizon);
+    }
+
     /// Number of azimuths.
     pub fn azimuth_bins(&self) -> usize {
         self.azimuth_bins

@@ -33,7 +33,7 @@ pub struct RecoilTable {
 /// normal and `s` the direction of the Sun.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Recoil {
-    /// `mu0 (1 - A_dh)`, absorbed and emitted again.
+    /// What leaves as Lambert's light under the facet's sky: `mu0 (1 - A_dh)`, absorbed and emitted again.
     pub emitted: f64,
     /// `mu0 (f_n - mu0 f_t / sin i)`.
     pub normal: f64,
@@ -57,6 +57,12 @@ impl Recoil {
 pub(crate) trait RecoilKernel: Sync {
     /// Recoil for `mu0` in [0, 1]; slightly negative values by round-off are as good as 0.
     fn at(&self, mu0: f64) -> Recoil;
+
+    /// Light absorbed, `mu0 (1 - A_dh)`.
+    #[inline(always)]
+    fn absorbed(&self, mu0: f64) -> f64 {
+        self.at(mu0).emitted
+    }
 }
 
 /// A surface that scatters the fraction `albedo` isotropically: `A_dh = albedo`, `f_n = 2/3 albedo`, `f_t = 0`.
@@ -162,6 +168,9 @@ fn hemisphere(p: &Photometry, mu0: f64, emission: &[(f64, f64)], azimuth: &[(Azi
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::exchange::Scattering;
+    use crate::horizon::Horizon;
+    use crate::sky::sky_view;
     use crate::surface::MultipleScattering;
 
     fn table(roughness_deg: f64, multiple_scattering: MultipleScattering) -> Arc<RecoilTable> {
@@ -290,5 +299,52 @@ mod tests {
     fn lambert_recoil_is_two_thirds_of_the_albedo() {
         let recoil = LambertRecoil { albedo: 0.3 }.at(0.5);
         assert!((recoil.emitted - 0.35).abs() < 1e-16 && (recoil.normal - 0.1).abs() < 1e-16 && recoil.solar == 0.0);
+    }
+
+    /// Momentum along and towards azimuth 0 of the normal, per unit beam, of a facet under a horizon.
+    fn recoil_under(kernel: &impl RecoilKernel, tan_elevation: impl Fn(f64) -> f64, mu0: f64) -> [f64; 2] {
+        let n = 2880;
+        let tan_elevation = (0..n).map(|k| tan_elevation(2.0 * PI * f64::from(k) / f64::from(n)) as f32).collect();
+        let sky = sky_view(&Horizon { tan_elevation, overhangs: Box::new([]) });
+        let recoil = kernel.at(mu0);
+        [recoil.emitted * sky.normal + recoil.normal, recoil.emitted * sky.tangential[0]]
+    }
+
+    /// Everything that leaves a Lambert surface leaves as Lambert's light, so how much of it was absorbed before does not
+    /// matter. Momenta under a horizon of 30 deg, before a wall and in a hole are those of an emitter.
+    #[test]
+    fn blocked_reflection_of_a_lambert_surface_is_emission() {
+        let wall = |az: f64| if az.cos() > 1e-9 { 1e9 } else { 0.0 };
+        for albedo in [0.0, 0.3, 1.0] {
+            let kernel = Scattering(&LambertRecoil { albedo });
+            let [normal, towards] = recoil_under(&kernel, |_| (PI / 6.0).tan(), 0.8);
+            assert!((normal - 0.8 * 0.583333).abs() < 1e-6 && towards.abs() < 1e-12, "{albedo}: {normal}");
+            let [normal, towards] = recoil_under(&kernel, wall, 0.8);
+            assert!(
+                (normal - 0.8 / 3.0).abs() < 1e-3 && (towards + 0.8 * 0.2122066).abs() < 1e-3,
+                "{normal} {towards}"
+            );
+            let [normal, towards] = recoil_under(&kernel, |_| 1e9, 0.8);
+            assert!(normal.abs() < 1e-12 && towards.abs() < 1e-12, "{normal} {towards}");
+            assert!((kernel.absorbed(0.8) - 0.8 * (1.0 - albedo)).abs() < 1e-15);
+        }
+    }
+
+    /// What is taken off is the reflected energy times the momentum that a Lambert emitter of that energy loses.
+    #[test]
+    fn blocked_reflection_of_a_hapke_surface_loses_its_albedo_of_a_lambert_emitter() {
+        let table = RecoilTable::cached(&Hapke::default());
+        let blocked = Scattering(&*table);
+        for mu0 in [0.05, 0.4, 1.0] {
+            let albedo = table.at_cosine(mu0).0;
+            for tan_elevation in [0.0, 0.2, 3.0] {
+                let [plain, _] = recoil_under(&*table, |_| tan_elevation, mu0);
+                let [less, _] = recoil_under(&blocked, |_| tan_elevation, mu0);
+                let [lambert, _] = recoil_under(&LambertRecoil { albedo: 0.0 }, |_| tan_elevation, mu0);
+                let lost = albedo * (2.0 / 3.0 * mu0 - lambert);
+                assert!((plain - less - lost).abs() < 1e-14, "{mu0} {tan_elevation}: {plain} {less} {lost}");
+            }
+            assert_eq!(blocked.at(mu0).solar, table.at(mu0).solar);
+        }
     }
 }

@@ -11,8 +11,8 @@ use crate::tree::{Node, Occluder, dot, tree};
 use std::f64::consts::{PI, TAU};
 use tiling::Mesh;
 
-/// What rises by less than this fraction of the body's size is in the plane: coplanar neighbours do not shade one
-/// another by round-off.
+/// What rises by less than this fraction of the body's size, rounded up to a power of two, is in the plane: coplanar
+/// neighbours do not shade one another by round-off, and a re-tiling elsewhere does not shift the limit.
 const PLANE_TOLERANCE: f64 = 1e-9;
 /// A disc that spans more azimuths of the map than this is not compared as a whole; its parts will be.
 const WIDEST_SPAN: i64 = 24;
@@ -41,7 +41,7 @@ impl Scanner {
     /// The mesh must have been checked by [`facets`].
     pub fn new(mesh: &Mesh, azimuth_bins: usize) -> Self {
         let (occluders, nodes) = tree(mesh);
-        let tolerance = PLANE_TOLERANCE * nodes[0].radius;
+        let tolerance = PLANE_TOLERANCE * nodes[0].radius.log2().ceil().exp2();
         let azimuths = (0..azimuth_bins).map(|k| direction(k, azimuth_bins)).collect();
         Self { nodes, occluders, azimuths, tolerance }
     }
@@ -57,7 +57,6 @@ impl Scanner {
         hidden.reset(self.azimuths.len());
         stack.clear();
         stack.push(0);
-        let mut rises = false;
         while let Some(index) = stack.pop() {
             let node = &self.nodes[index as usize];
             let Some(azimuths) = self.visible(node, &axes, &facet.point, |k, bound, _| hidden.ground[k] < bound) else {
@@ -74,16 +73,39 @@ impl Scanner {
                 if dot(&occluder.normal, &facet.point) > occluder.offset {
                     let corners = occluder.corners.each_ref().map(local);
                     if corners.iter().any(|c| c[2] > self.tolerance) {
-                        rises = true;
                         self.hide(&corners, azimuths, hidden);
                     }
                 }
             }
         }
-        rises.then(|| Horizon {
-            overhangs: hidden.settle(),
-            tan_elevation: hidden.ground.iter().map(|t| kept(*t)).collect(),
-        })
+        let overhangs = hidden.settle();
+        let rises = !overhangs.is_empty() || hidden.ground.iter().any(|t| *t > 0.0);
+        rises.then(|| Horizon { overhangs, tan_elevation: hidden.ground.iter().map(|t| kept(*t)).collect() })
+    }
+
+    /// Whether any facet may hide sky from a point of the surface, however little and wherever else it is hidden already.
+    pub fn concerns(&self, facet: &Facet, scratch: &mut ScanScratch) -> bool {
+        let axes = facet.horizon_axes();
+        let above = |p: &[f64; 3]| (0..3).map(|k| axes[2][k] * (p[k] - facet.point[k])).sum::<f64>();
+        let ScanScratch { stack, .. } = scratch;
+        stack.clear();
+        stack.push(0);
+        while let Some(index) = stack.pop() {
+            let node = &self.nodes[index as usize];
+            if self.visible(node, &axes, &facet.point, |_, _, _| true).is_none() {
+                continue;
+            }
+            if node.facets == 0 {
+                stack.extend([node.at, index + 1]);
+                continue;
+            }
+            let occluders = &self.occluders[node.at as usize..(node.at + node.facets) as usize];
+            let rises = |o: &Occluder| o.corners.iter().any(|c| above(c) > 0.0);
+            if occluders.iter().any(|o| dot(&o.normal, &facet.point) > o.offset && rises(o)) {
+                return true;
+            }
+        }
+        false
     }
 
     /// The azimuths of the map that the node covers (all if it is wide) if it may matter at any of them, else `None`: seen

@@ -10,10 +10,14 @@ pub struct Surface {
     /// Infrared emissivity, in (0, 1] (default: 0.9). Cancels out of the torque as long as no heat is stored: what is absorbed
     /// is emitted at once, at whatever temperature that takes.
     pub emissivity: f64,
-    /// Whether one part of the body shades another (default: true). Shadows are those of the facet's centroid.
+    /// Whether one part of the body shades another (default: true), seen from [`crate::Sampling::facet_samples`].
     pub shadows: bool,
     /// Whether emitted light that meets another part of the body is taken off the recoil (default: true).
     pub sky_blockage: bool,
+    /// Whether reflected light that meets another part of the body is taken off the recoil as well (default: false; only
+    /// together with `sky_blockage`). The directions of that part count as Lambert's, with the directional-hemispherical
+    /// albedo; what escapes keeps its Hapke recoil.
+    pub sky_blockage_reflected: bool,
     /// Whether light that one part of the body sends to another is followed (default: not). If so, all light that meets the
     /// body, scattered or emitted, exerts no recoil until it leaves, whatever the flags for the sky.
     pub self_heating: SelfHeating,
@@ -38,6 +42,7 @@ impl Default for Surface {
             emissivity: 0.9,
             shadows: true,
             sky_blockage: true,
+            sky_blockage_reflected: false,
             self_heating: SelfHeating::None,
         }
     }
@@ -107,6 +112,8 @@ impl Surface {
     pub fn validate(&self) -> Result<(), TacoError> {
         let emissivity = self.emissivity;
         require(emissivity > 0.0 && emissivity <= 1.0, "surface.emissivity", emissivity, "(0, 1]")?;
+        let together = self.sky_blockage || !self.sky_blockage_reflected;
+        require(together, "surface.sky_blockage_reflected", 1.0, "off without sky_blockage")?;
         match self.reflectance {
             Reflectance::None => Ok(()),
             Reflectance::Lambert { bond_albedo: albedo } => {
@@ -141,6 +148,10 @@ mod tests {
         let hapke = |h: Hapke| Surface { reflectance: Reflectance::Hapke(h), ..Surface::default() };
         let cases = [
             (Surface { emissivity: 0.0, ..Surface::default() }, "surface.emissivity"),
+            (
+                Surface { sky_blockage: false, sky_blockage_reflected: true, ..Surface::default() },
+                "surface.sky_blockage_reflected",
+            ),
             (Surface { emissivity: f64::NAN, ..Surface::default() }, "surface.emissivity"),
             (
                 Surface { reflectance: Reflectance::Lambert { bond_albedo: 1.1 }, ..Surface::default() },

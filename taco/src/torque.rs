@@ -4,19 +4,18 @@
 //! a positive `T_epsilon` raises the obliquity. Direct radiation pressure exerts no secular torque and is left out
 //! (Rubincam & Paddack 2010, Icarus 209, 863; Nesvorny & Vokrouhlicky 2008, A&A 480, 1).
 
-use crate::body::Body;
+use crate::body::{Body, Memory, Shading};
 use crate::declination::Declinations;
 use crate::error::TacoError;
-use crate::exchange::Exchange;
+use crate::exchange::Scattering;
 use crate::facets::{Facet, facets};
-use crate::horizon::HorizonMap;
 use crate::interpolant::{Interpolation, TorqueInterpolant};
 use crate::orbit::Orbit;
+use crate::pose::Pose;
 use crate::recoil::{LambertRecoil, RecoilKernel, RecoilTable};
 use crate::sampling::Sampling;
-use crate::scanner::Scanner;
 use crate::season::{Curve, Season};
-use crate::surface::{Reflectance, SelfHeating, Surface};
+use crate::surface::{Reflectance, Surface};
 use std::f64::consts::PI;
 use tiling::Mesh;
 
@@ -52,8 +51,9 @@ pub struct TorqueError {
 #[derive(Debug, Clone, PartialEq)]
 pub struct ErrorPart {
     /// What is sampled: `declination_nodes` (against every other node), `azimuth_bins` (against every other bin, view
-    /// factors included; absent from convex bodies), `facet_sampling` (shadows of centroids against three points a facet; likewise) and
+    /// factors included; absent from convex bodies), `facet_sampling` (each of the facet's samples against three points; likewise) and
     /// `obliquity_interpolation` (cubic, half-way between the nodes; absent unless the table runs from 0 to 180 deg).
+    /// The second and third are estimated from a sample of the shaded facets.
     pub name: String,
     /// Error of the spin torque, N m.
     pub spin_torque_n_m: f64,
@@ -85,36 +85,44 @@ pub fn torque_table(
     orbit.validate()?;
     sampling.validate()?;
     let facets = facets(mesh)?;
-    let heating = surface.self_heating;
-    let looks_around = surface.shadows || surface.sky_blockage || heating != SelfHeating::None;
-    let scanner = looks_around.then(|| Scanner::new(mesh, sampling.azimuth_bins));
-    let map = scanner.as_ref().map(|scanner| HorizonMap::of(&facets, scanner));
-    let horizons = scanner.as_ref().zip(map.as_ref());
-    let exchange = horizons.and_then(|(scanner, map)| Exchange::new(&facets, scanner, map, heating));
-    let exchange = exchange.as_ref();
-    let task =
-        Task { mesh, surface, facets: &facets, horizons, exchange, pressure_pa: orbit.mean_pressure_pa(), sampling };
-    match surface.reflectance {
-        Reflectance::None => task.run(&LambertRecoil { albedo: 0.0 }),
-        Reflectance::Lambert { bond_albedo } => task.run(&LambertRecoil { albedo: bond_albedo }),
-        Reflectance::Hapke(hapke) => task.run(&*RecoilTable::cached(&hapke)),
-    }
+    let shading = Shading::new(mesh, &facets, surface, sampling);
+    let pressure_pa = orbit.mean_pressure_pa();
+    let (facets, pose, shading) = (&facets, &Pose::default(), shading.as_ref());
+    Task { mesh, surface, facets, pose, shading, pressure_pa, sampling }.run(None)
 }
 
 /// The arguments of [`torque_table`] once validated, waiting for the reflectance to choose the kernel.
-struct Task<'a> {
-    mesh: &'a Mesh,
-    surface: &'a Surface,
-    facets: &'a [Facet],
-    horizons: Option<(&'a Scanner, &'a HorizonMap)>,
-    exchange: Option<&'a Exchange>,
-    pressure_pa: f64,
-    sampling: &'a Sampling,
+pub(crate) struct Task<'a> {
+    pub mesh: &'a Mesh,
+    pub surface: &'a Surface,
+    /// Facets in the frame of the body.
+    pub facets: &'a [Facet],
+    pub pose: &'a Pose,
+    pub shading: Option<&'a Shading>,
+    pub pressure_pa: f64,
+    pub sampling: &'a Sampling,
 }
 
 impl Task<'_> {
-    fn run(&self, kernel: &impl RecoilKernel) -> Result<TorqueTable, TacoError> {
-        let Self { mesh, surface, facets, horizons, exchange, .. } = *self;
+    /// The table; `memory` holds what is known of the same facets in the same pose.
+    pub fn run(&self, memory: Option<&mut Memory>) -> Result<TorqueTable, TacoError> {
+        match self.surface.reflectance {
+            Reflectance::None => self.reflecting(&LambertRecoil { albedo: 0.0 }, memory),
+            Reflectance::Lambert { bond_albedo } => self.reflecting(&LambertRecoil { albedo: bond_albedo }, memory),
+            Reflectance::Hapke(hapke) => self.reflecting(&*RecoilTable::cached(&hapke), memory),
+        }
+    }
+
+    fn reflecting(&self, kernel: &impl RecoilKernel, memory: Option<&mut Memory>) -> Result<TorqueTable, TacoError> {
+        if self.surface.sky_blockage_reflected {
+            self.table(&Scattering(kernel), memory)
+        } else {
+            self.table(kernel, memory)
+        }
+    }
+
+    fn table(&self, kernel: &impl RecoilKernel, mut memory: Option<&mut Memory>) -> Result<TorqueTable, TacoError> {
+        let Self { mesh, surface, facets, pose, shading, .. } = *self;
         let nodes = self.sampling.declination_nodes;
         // Errors that need passes of their own are estimated at every fourth declination where that is possible.
         let stride = if nodes % 4 == 1 { 4 } else { 2 };
@@ -125,20 +133,18 @@ impl Task<'_> {
         let half_season = Season::new(nodes.div_ceil(2), &obliquities_deg);
         let coarse_season = Season::new(coarse_nodes, &obliquities_deg);
 
-        let body = Body { mesh, facets, surface, kernel, horizons, exchange };
-        let rotation = body.rotation(&fine, &coarse, stride);
-        let curve = season.curve(&rotation.response, 1).scaled(self.pressure_pa);
+        let body = Body { mesh, facets, pose, surface, kernel, shading };
+        let response = body.response(&fine, memory.as_deref_mut());
+        let curve = season.curve(&response, 1).scaled(self.pressure_pa);
         self.check_finite(&curve, &obliquities_deg)?;
 
-        let shaded_facets = horizons.map_or(0, |(_, map)| map.shaded_facets());
-        let coarser = half_season.curve(&rotation.response, 2).scaled(self.pressure_pa);
+        let shaded_facets = shading.map_or(0, |s| s.map.shaded_facets());
+        let coarser = half_season.curve(&response, 2).scaled(self.pressure_pa);
         let mut parts = vec![part("declination_nodes", curve.distance(&coarser))];
-        if shaded_facets > 0 {
+        if let Some(errors) = body.sampling_errors(&coarse, &coarse_season, memory) {
             let zero = Curve { spin: vec![0.0; curve.spin.len()], obliquity: vec![0.0; curve.spin.len()] };
-            let azimuths = coarse_season.curve(&rotation.coarser_azimuths, 1).scaled(self.pressure_pa);
-            parts.push(part("azimuth_bins", azimuths.distance(&zero)));
-            if let Some(centroids) = body.centroid_rule(&coarse, &coarse_season) {
-                parts.push(part("facet_sampling", centroids.scaled(self.pressure_pa).distance(&zero)));
+            for (name, error) in [("azimuth_bins", errors.azimuth_bins), ("facet_sampling", errors.facet_samples)] {
+                parts.push(part(name, error.scaled(self.pressure_pa).distance(&zero)));
             }
         }
         let mut table = TorqueTable {
@@ -151,7 +157,7 @@ impl Task<'_> {
         };
         if let Ok(interpolant) = table.interpolant(Interpolation::Cubic) {
             let between: Vec<f64> = obliquities_deg.windows(2).map(|w| 0.5 * (w[0] + w[1])).collect();
-            let exact = Season::new(nodes, &between).curve(&rotation.response, 1).scaled(self.pressure_pa);
+            let exact = Season::new(nodes, &between).curve(&response, 1).scaled(self.pressure_pa);
             let (spin, obliquity) = between.iter().map(|o| interpolant.at(o.to_radians(), 0.0)).unzip();
             parts.push(part("obliquity_interpolation", exact.distance(&Curve { spin, obliquity })));
         }

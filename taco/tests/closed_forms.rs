@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{at_obliquities, bumpy, lambert};
+use common::{at_obliquities, bumpy, lambert, off, table};
 use nalgebra::Vector3;
 use std::f64::consts::{PI, TAU};
 use taco::{HorizonMap, Orbit, Reflectance, Sampling, Surface, torque_table};
@@ -170,5 +170,18 @@ fn body_below_an_overhang_matches_brute_force() {
         let (got_spin, got_tilt) = (table.spin_torque_n_m[0][k], table.obliquity_torque_n_m[0][k]);
         println!("{degree}: {got_spin:e} {spin:e}, {got_tilt:e} {tilt:e}, {overhung} facets below the slab");
         assert!((got_spin - spin).abs() < 0.015 * scale && (got_tilt - tilt).abs() < 0.015 * scale, "{degree}");
+    }
+}
+
+/// All light that leaves a Lambert surface leaves alike, absorbed before or not, and loses alike what the body blocks.
+#[test]
+fn blocked_reflection_makes_the_torque_of_a_lambert_body_independent_of_its_albedo() {
+    let mesh = bumpy(300);
+    let with = |bond_albedo| Surface { sky_blockage: true, sky_blockage_reflected: true, ..lambert(bond_albedo) };
+    let black = table(&mesh, &with(0.0));
+    for albedo in [0.1, 0.5, 1.0] {
+        assert!(off(&black, &table(&mesh, &with(albedo))) < 1e-12);
+        let unblocked = Surface { sky_blockage_reflected: false, ..with(albedo) };
+        assert!(off(&black, &table(&mesh, &unblocked)) > 0.01 * albedo, "{}", off(&black, &table(&mesh, &unblocked)));
     }
 }

@@ -1,4 +1,5 @@
-//! Recoil of direct sunlight on a facet part of whose light is followed to other facets.
+//! Recoil of direct sunlight on a facet whose scattered light shares the fate of its emitted light: part of it is followed to
+//! other facets, or blocked by them.
 
 use crate::recoil::{Recoil, RecoilKernel};
 
@@ -14,6 +15,11 @@ impl<K: RecoilKernel> RecoilKernel for Scattering<'_, K> {
         let recoil = self.0.at(arriving);
         let scattered = arriving - recoil.emitted;
         Recoil { emitted: arriving, normal: recoil.normal - 2.0 / 3.0 * scattered, solar: recoil.solar }
+    }
+
+    #[inline(always)]
+    fn absorbed(&self, mu0: f64) -> f64 {
+        self.0.absorbed(mu0)
     }
 }
 
