@@ -64,6 +64,7 @@ impl TorqueOptions {
             obliquities: taco::Obliquities::StepDeg(self.obliquity_step_deg),
             azimuth_bins: self.azimuth_bins as usize,
             declination_nodes: self.declination_nodes as usize,
+            ..taco::Sampling::default()
         }
     }
 }

@@ -272,7 +272,7 @@ fn for_each_free(from: f64, to: f64, step: f64, covered: impl Fn(f64) -> bool, m
 
 /// Direction of an azimuth (cosine, sine) and elevation (tangent) in the facet's (meridian, east, spin axis) frame.
 fn on_sky(facet: &Facet, azimuth: [f64; 2], tan_elevation: f64) -> [f64; 3] {
-    let [cos_az, sin_az] = facet.from_origin(azimuth);
+    let [cos_az, sin_az] = facet.north_west(azimuth);
     // north = (-s, 0, c), west = (0, -1, 0), up = (c, 0, s).
     let (s, c) = (facet.sin_lat, facet.cos_lat);
     let cos_h = 1.0 / (1.0 + tan_elevation * tan_elevation).sqrt();
@@ -299,7 +299,7 @@ fn add_pieces(from: &[f64; 3], to: &[f64; 3], polygon: &mut Vec<[f64; 3]>) {
 fn horizontal(facet: &Facet, horizon: &Horizon, [meridian, east, axis]: [f64; 3]) -> (f64, f64, f64) {
     let (s, c) = (facet.sin_lat, facet.cos_lat);
     let (north, west, up) = (c * axis - s * meridian, -east, c * meridian + s * axis);
-    let [x, y] = facet.to_origin([north, west]);
+    let [x, y] = facet.azimuth_axes([north, west]);
     let position = rough_azimuth(x, y).rem_euclid(TAU) / TAU * horizon.tan_elevation.len() as f64;
     (position, (north * north + west * west).sqrt(), up)
 }
@@ -351,7 +351,7 @@ struct Arms {
 impl Arms {
     fn new(facet: &Facet, sky: &SkyView) -> Self {
         let (s, c) = (facet.sin_lat, facet.cos_lat);
-        let [north, west] = facet.from_origin(sky.tangential);
+        let [north, west] = facet.north_west(sky.tangential);
         let up = sky.normal;
         let emitted = cross(facet.local_point(), [c * up - s * north, -west, c * north + s * up]);
         Self::with_emitted(facet, emitted)

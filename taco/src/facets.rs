@@ -46,14 +46,14 @@ impl Facet {
     /// A direction in the facet's plane, as components along the origin of the azimuths and a quarter turn further, turned
     /// to components along north and west.
     #[inline(always)]
-    pub fn from_origin(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+    pub fn north_west(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let [c, s] = self.azimuth_origin;
         [c * x - s * y, s * x + c * y]
     }
 
-    /// The opposite of [`Self::from_origin`].
+    /// The opposite of [`Self::north_west`].
     #[inline(always)]
-    pub fn to_origin(&self, [north, west]: [f64; 2]) -> [f64; 2] {
+    pub fn azimuth_axes(&self, [north, west]: [f64; 2]) -> [f64; 2] {
         let [c, s] = self.azimuth_origin;
         [c * north + s * west, c * west - s * north]
     }

@@ -77,9 +77,9 @@ impl Cells {
         let count = self.count();
         let mut add = |cell: usize, weight: f64, cosine: f64| {
             let mu0 = (a + b * cosine).max(0.0);
-            let emitted = kernel.at(mu0).emitted;
-            absorbed[cell] += weight * emitted;
-            reflected[cell] += weight * (mu0 - emitted);
+            let taken = kernel.absorbed(mu0);
+            absorbed[cell] += weight * taken;
+            reflected[cell] += weight * (mu0 - taken);
         };
         let [begin, end] = [to, from].map(|hour_angle| (self.start - hour_angle) / self.step);
         let first = begin.floor();
