@@ -15,7 +15,16 @@ fn quick_accuracy_prints_one_curve_per_knob_and_writes_figure_and_page() {
     let value: Value = serde_json::from_slice(&output.stdout).expect("one JSON object");
     let knobs = value["knobs"].as_array().expect("a list");
     let names: Vec<_> = knobs.iter().map(|k| k["name"].as_str().expect("a name")).collect();
-    assert_eq!(names, ["hard_sphere_step", "facets"]);
+    let expected = [
+        "hard_sphere_step",
+        "facets",
+        "azimuth_bins",
+        "declination_nodes",
+        "obliquity_step",
+        "rk4_step",
+        "spin_tolerance",
+    ];
+    assert_eq!(names, expected);
     for knob in knobs {
         let points = knob["points"].as_array().expect("a list");
         assert!(points.iter().any(|p| p["value"] == knob["default"]), "{knob}");

@@ -11,7 +11,7 @@ use cpu_time::ProcessTime;
 use pkd::mass_properties::mass_properties;
 use taco::{Orbit, Sampling, Surface, TorqueTable, torque_table};
 use tiling::hull::sphere_hull_volume;
-use tiling::{EllipsoidTiling, ImplicitSurface};
+use tiling::{EllipsoidTiling, ImplicitSurface, Mesh};
 
 use super::body::Bench;
 use super::{About, AccuracyError, Effort, Knob, Point, half_range};
@@ -60,13 +60,13 @@ impl Knob for Facets {
 }
 
 /// A body's surface and the ellipsoid that its tilings start from.
-struct BodyToTile {
+pub(super) struct BodyToTile {
     surface: ImplicitSurface,
     semi_axes: [f64; 3],
 }
 
 impl BodyToTile {
-    fn new(bench: &Bench, seed: u64) -> Result<Self, AccuracyError> {
+    pub fn new(bench: &Bench, seed: u64) -> Result<Self, AccuracyError> {
         let body = bench.packed_body(seed)?;
         let TilingOptions { exponent, level, .. } = TilingOptions::default();
         let surface = ImplicitSurface::new(&body.x, &body.y, &body.z, &body.radius, exponent, level)?;
@@ -77,16 +77,20 @@ impl BodyToTile {
         Ok(Self { surface, semi_axes: (axes * scale).into() })
     }
 
-    /// Tiles with so many facets and computes the torques of an average S-type surface at 1 au.
-    fn torques(&self, facets: u32) -> Result<TorqueTable, AccuracyError> {
+    /// The tiling with so many facets.
+    pub fn tiled(&self, facets: u32) -> Result<Mesh, AccuracyError> {
         let options = TilingOptions { facets, ..TilingOptions::default() };
-        let tiling = EllipsoidTiling::new(self.semi_axes, options.vertices())?.projected(&self.surface);
-        Ok(torque_table(&tiling.mesh, &Surface::default(), &Orbit::default(), &Sampling::default())?)
+        Ok(EllipsoidTiling::new(self.semi_axes, options.vertices())?.projected(&self.surface).mesh)
+    }
+
+    /// The torques of an average S-type surface at 1 au, tiled with so many facets.
+    fn torques(&self, facets: u32) -> Result<TorqueTable, AccuracyError> {
+        Ok(torque_table(&self.tiled(facets)?, &Surface::default(), &Orbit::default(), &Sampling::default())?)
     }
 }
 
 /// Error over all bodies for the worse component, and half the range over the bodies.
-fn difference(tables: &[TorqueTable], references: &[TorqueTable]) -> (f64, f64) {
+pub(super) fn difference(tables: &[TorqueTable], references: &[TorqueTable]) -> (f64, f64) {
     let component = |of: fn(&TorqueTable) -> &Vec<Vec<f64>>| {
         let worst = |t: &TorqueTable, r: &TorqueTable| {
             largest(of(t).iter().flatten().zip(of(r).iter().flatten()).map(|(t, r)| t - r))

@@ -9,6 +9,8 @@ mod facets;
 mod figure;
 mod hard_sphere_step;
 mod page;
+mod sampling;
+mod spin;
 
 use serde::Serialize;
 
@@ -57,7 +59,7 @@ pub struct About {
     pub part: &'static str,
     /// Unit of its values.
     pub unit: &'static str,
-    /// Key of the scene that sets it.
+    /// Key of the scene, or flag, that sets it.
     pub scene_key: &'static str,
     /// Value that a scene has unless it says otherwise.
     pub default: f64,
@@ -118,11 +120,22 @@ pub enum AccuracyError {
     /// The torques cannot be computed.
     #[error("the torques cannot be computed: {0}")]
     Torque(#[from] taco::TacoError),
+    /// The spin cannot be integrated.
+    #[error("the spin cannot be integrated: {0}")]
+    Spin(#[from] crate::evolve::spin::SpinError),
 }
 
 /// Every knob there is, in the order of the hand-off loop.
-pub fn knobs() -> [&'static dyn Knob; 2] {
-    [&hard_sphere_step::HardSphereStep, &facets::Facets]
+pub fn knobs() -> [&'static dyn Knob; 7] {
+    [
+        &hard_sphere_step::HardSphereStep,
+        &facets::Facets,
+        &sampling::AZIMUTH_BINS,
+        &sampling::DECLINATION_NODES,
+        &sampling::OBLIQUITY_STEP,
+        &spin::RK4_STEP,
+        &spin::SPIN_TOLERANCE,
+    ]
 }
 
 /// All knobs, or those whose name or module is `part`.

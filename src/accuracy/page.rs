@@ -22,7 +22,7 @@ fn table(text: &mut String, curve: &Curve) {
     let about = &curve.about;
     let _ = write!(
         text,
-        "<h2>{}</h2>\n<p>Scene key <code>{}</code>. Error: {}.</p>\n\
+        "<h2>{}</h2>\n<p>Set by <code>{}</code>. Error: {}.</p>\n\
          <table>\n<tr><th>{}</th><th>error</th><th>spread</th><th>CPU s</th></tr>\n",
         escaped(about.name),
         escaped(about.scene_key),
