@@ -16,7 +16,7 @@ pub(crate) struct Facet {
     /// Cosine of the latitude of the normal.
     pub cos_lat: f64,
     /// Horizontal unit vector of the normal, body x and y; x for a normal along the spin axis.
-    meridian: [f64; 2],
+    pub meridian: [f64; 2],
     /// Cosine and sine of the angle, from north over west, of the direction from which the horizon's azimuths are counted.
     pub azimuth_origin: [f64; 2],
 }

@@ -7,8 +7,11 @@
 //! the view factors and one sparse linear system. Pairs of facets exert no net force on each other, so only light that
 //! escapes counts; energy is conserved photon by photon, whatever the accuracy of the view factors.
 
+pub(crate) mod coupling;
+mod harmonics;
 mod scattering;
 mod views;
+pub(crate) mod warmth;
 mod wrench;
 
 use crate::facets::Facet;
@@ -16,6 +19,7 @@ use crate::horizon::{Horizon, HorizonMap};
 use crate::scanner::Scanner;
 use crate::sky::sky_view;
 use crate::surface::SelfHeating;
+use coupling::Members;
 pub(crate) use scattering::Scattering;
 use views::Views;
 pub(crate) use wrench::Wrench;
@@ -24,6 +28,7 @@ pub(crate) use wrench::Wrench;
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Exchange {
     pub views: Views,
+    pub members: Members,
     /// By facet: with all azimuths of the horizon map, and with every other one.
     wrenches: [Vec<Wrench>; 2],
 }
@@ -50,7 +55,8 @@ impl Exchange {
             wrench::followed(facets, sky, &views, azimuths, mode)
         };
         let wrenches = [escaping(Azimuths::All), escaping(Azimuths::EveryOther)];
-        Some(Self { views, wrenches })
+        let members = Members::new(&views);
+        Some(Self { views, members, wrenches })
     }
 
     /// What the light of a facet does to the body, if part of it meets other facets.
