@@ -7,7 +7,7 @@
 use crate::facets::Facet;
 use std::f64::consts::TAU;
 
-/// Highest harmonic kept. With 3, 5, 8 and 16 what a body with an overhang conducts differs by at most 1e-4 of the largest.
+/// Highest harmonic kept. Against an exchange of all cells of local time, 3, 5, 8 and 16 are off by the same amount.
 pub(crate) const ORDER: usize = 4;
 /// Numbers a flux takes: its mean, then real and imaginary part of `<f exp(-i n t)>` for each harmonic.
 pub(crate) const TERMS: usize = 2 * ORDER + 1;
@@ -38,7 +38,7 @@ impl Phases {
     }
 
     /// Terms of local time on the body's clock.
-    pub fn to_body(&self, terms: &mut [f64; TERMS]) {
+    pub fn on_body_clock(self, terms: &mut [f64; TERMS]) {
         for ([c, s], pair) in self.0.iter().zip(terms[1..].chunks_exact_mut(2)) {
             let (re, im) = (pair[0], pair[1]);
             (pair[0], pair[1]) = (re * c - im * s, re * s + im * c);
@@ -46,7 +46,7 @@ impl Phases {
     }
 
     /// Terms of the body's clock in local time.
-    pub fn to_local(&self, terms: &mut [f64; TERMS]) {
+    pub fn on_local_clock(self, terms: &mut [f64; TERMS]) {
         for ([c, s], pair) in self.0.iter().zip(terms[1..].chunks_exact_mut(2)) {
             let (re, im) = (pair[0], pair[1]);
             (pair[0], pair[1]) = (re * c + im * s, im * c - re * s);
@@ -80,13 +80,13 @@ impl Harmonics {
                 *term += flux * factor;
             }
         }
-        phases.to_body(&mut terms);
+        phases.on_body_clock(&mut terms);
         terms
     }
 
     /// Adds a flux on the body's clock to means over cells of local time.
     pub fn add_to(&self, mut terms: [f64; TERMS], phases: &Phases, cells: &mut [f64]) {
-        phases.to_local(&mut terms);
+        phases.on_local_clock(&mut terms);
         for (flux, row) in cells.iter_mut().zip(&self.inverse) {
             *flux += terms.iter().zip(row).map(|(term, factor)| term * factor).sum::<f64>();
         }
@@ -105,7 +105,7 @@ mod tests {
         let facets = facets(&rugged(20)).unwrap();
         let cells: Vec<f64> = (0..48)
             .map(|k| TAU * (f64::from(k) + 0.5) / 48.0)
-            .map(|t| 1.0 + (t - 0.3).cos() + 0.2 * (5.0 * t).sin())
+            .map(|t| 1.0 + (t - 0.3).cos() + 0.2 * (3.0 * t).sin())
             .collect();
         for facet in &facets {
             let phases = Phases::new(facet);

@@ -7,10 +7,13 @@
 //! the view factors and one sparse linear system. Pairs of facets exert no net force on each other, so only light that
 //! escapes counts; energy is conserved photon by photon, whatever the accuracy of the view factors.
 
+#[allow(dead_code)]
 pub(crate) mod coupling;
+#[allow(dead_code)]
 mod harmonics;
 mod scattering;
 mod views;
+#[allow(dead_code)]
 pub(crate) mod warmth;
 mod wrench;
 

@@ -38,13 +38,13 @@ pub(crate) struct Warmth<'a, S> {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Conducted {
     declinations: usize,
-    /// `[member][declination]`: mean times the cosine and times the sine of local time from midnight.
-    harmonics: Vec<[f64; 2]>,
+    /// `[member][declination]`: means of it times the cosine and times the sine of the hour angle of the Sun.
+    harmonics: Vec<[f32; 2]>,
 }
 
 impl Conducted {
     /// At all declinations, for a facet's place among the members.
-    pub fn of(&self, member: usize) -> &[[f64; 2]] {
+    pub fn of(&self, member: usize) -> &[[f32; 2]] {
         &self.harmonics[member * self.declinations..(member + 1) * self.declinations]
     }
 }
@@ -89,7 +89,7 @@ impl<'a, S: Sunlight> Warmth<'a, S> {
         }
         let Self { exchange, facets, declinations, coupling, .. } = self;
         let members = &exchange.members.facets;
-        let harmonics: Vec<Vec<[f64; 2]>> = (0..members.len())
+        let harmonics: Vec<Vec<[f32; 2]>> = (0..members.len())
             .into_par_iter()
             .map_init(
                 || vec![0.0; *declinations * TERMS],
@@ -98,8 +98,9 @@ impl<'a, S: Sunlight> Warmth<'a, S> {
                     let phases = Phases::new(&facets[members[member] as usize]);
                     let first = |(declination, absorbed): (usize, &[f32])| {
                         let mut terms = coupling.conducted(theta, member, declination, absorbed);
-                        phases.to_local(&mut terms);
-                        [terms[1], -terms[2]]
+                        phases.on_local_clock(&mut terms);
+                        // The hour angle is half a turn less the local time from midnight.
+                        [-terms[1] as f32, -terms[2] as f32]
                     };
                     absorbed.chunks_exact(TERMS).enumerate().map(first).collect()
                 },
@@ -178,8 +179,7 @@ mod tests {
         }
     }
 
-    /// All facets on one clock, exchange and balances in turns until nothing changes; first harmonics of the conducted flux in
-    /// local time, `[facet][declination]`.
+    /// All facets on one clock, exchange and balances in turns until nothing changes; first harmonics of the conducted flux, `[facet][declination]`.
     fn brute_force(shone: &Shone, exchange: &Exchange, optics: Optics, theta: f64) -> Vec<Vec<[f64; 2]>> {
         let Shone { kernel, declinations, facets, map } = shone;
         let n = facets.len();
@@ -230,8 +230,8 @@ mod tests {
                 // Cell k is at the angle 2 pi (k + 1/2) / CELLS of the body's clock.
                 let mut terms =
                     Harmonics::new(CELLS).of(&conducted[f], &Phases::new(&Facet { meridian: [1.0, 0.0], ..facets[f] }));
-                Phases::new(&facets[f]).to_local(&mut terms);
-                out[f].push([terms[1], -terms[2]]);
+                Phases::new(&facets[f]).on_local_clock(&mut terms);
+                out[f].push([-terms[1], -terms[2]]);
             }
         }
         out
@@ -262,11 +262,11 @@ mod tests {
                     let mut conduction = Conduction::new(CELLS);
                     conduction.solve(theta, &flux.absorbed[j * CELLS..(j + 1) * CELLS], 1e-6, &mut [0.0; CELLS]);
                     let without = conduction.conducted_harmonic();
-                    // Local time from midnight, the angle of `conducted_harmonic` from the middle of cell 0.
-                    let (s, c) = (PI / CELLS as f64).sin_cos();
-                    let without = [without[0] * c - without[1] * s, without[0] * s + without[1] * c];
+                    // From the middle of cell 0 in direction of time to the hour angle.
+                    let (s, c) = Cells::new(CELLS).first_middle().sin_cos();
+                    let without = [without[0] * c + without[1] * s, without[0] * s - without[1] * c];
                     for k in 0..2 {
-                        worst = worst.max((got[k] - want[k]).abs());
+                        worst = worst.max((f64::from(got[k]) - want[k]).abs());
                         largest = largest.max(want[k].abs());
                         alone = alone.max((without[k] - want[k]).abs());
                     }
