@@ -132,7 +132,13 @@ fn bad_meshes_are_refused_with_line_or_facets() {
                 f 1 2 3\nf 1 3 4\nf 1 4 2\nf 5 3 2\nf 5 4 3\n";
     let inside_out = LOPSIDED.replace("f 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4", "f 1 2 3\nf 1 4 2\nf 2 4 3\nf 3 4 1");
     let turned = LOPSIDED.replace("f 1 3 2", "f 1 2 3");
+    // A second body that pokes into the first one.
+    let crossing = format!(
+        "{LOPSIDED}{}f 5 7 6\nf 5 6 8\nf 6 7 8\nf 7 5 8\n",
+        "v 240 70 40\nv -60 190 50\nv -40 -100 80\nv 30 60 220\n"
+    );
     let cases = [
+        (&*crossing, "self-touching mesh"),
         (hole, "a hole beside facets 3, 4, 5"),
         (&inside_out, "inside-out"),
         (&turned, "orientation"),

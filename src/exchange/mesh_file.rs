@@ -41,7 +41,7 @@ pub enum MeshFileError {
 /// The closed, outward-oriented mesh in an OBJ file, its coordinates multiplied by `metres_per_unit`.
 ///
 /// # Errors
-/// [`MeshFileError`], naming the line that is not understood or the facets at a hole, a fold or without area.
+/// [`MeshFileError`], naming the line that is not understood or the facets at a hole, a fold, a contact or without area.
 pub fn read_mesh(file: &Path, metres_per_unit: f64) -> Result<Mesh, MeshFileError> {
     let unreadable = |source| MeshFileError::Read { file: file.to_owned(), source };
     let mut bytes = Vec::new();
@@ -53,5 +53,6 @@ pub fn read_mesh(file: &Path, metres_per_unit: f64) -> Result<Mesh, MeshFileErro
     let refused = |source| MeshFileError::Mesh { file: file.to_owned(), source };
     let mesh = tiling::obj::read(&bytes).map_err(refused)?.scaled(metres_per_unit);
     mesh.check().map_err(refused)?;
+    mesh.check_contact().map_err(refused)?;
     Ok(mesh)
 }

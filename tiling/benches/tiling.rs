@@ -61,3 +61,9 @@ fn hundred_thousand_inside_tests(bencher: Bencher) {
         (0..100_000).map(|i| [0.9, 1.7, 2.3].map(|k: f64| 13.0 * (k * f64::from(i)).sin())).collect();
     bencher.bench(|| points.iter().filter(|p| inside.contains(black_box(**p))).count());
 }
+
+#[divan::bench(args = [3184, 49_152])]
+fn check_contact(bencher: Bencher, facets: usize) {
+    let body = EllipsoidTiling::new(AXES, facets / 2 + 2).expect("the axes are positive").mesh;
+    bencher.bench(|| body.check_contact());
+}

@@ -70,6 +70,22 @@ pub enum TilingError {
         /// The facets at these edges, ascending.
         facets: Vec<usize>,
     },
+    /// Vertices at which sheets meet that share nothing else.
+    #[error("self-touching mesh: separate sheets meet at {}, of {}", list("vertex", vertices), list("facet", facets))]
+    PinchedVertices {
+        /// The vertices, ascending.
+        vertices: Vec<usize>,
+        /// The facets at these vertices, ascending.
+        facets: Vec<usize>,
+    },
+    /// Facets that cross or touch others elsewhere than in common edges and vertices.
+    #[error("self-touching mesh: {pairs} pairs of facets cross or touch, among {}", list("facet", facets))]
+    SelfContact {
+        /// Number of such pairs.
+        pairs: usize,
+        /// The facets of these pairs, ascending.
+        facets: Vec<usize>,
+    },
     /// All normals point inward, or the body is flat.
     #[error(
         "inside-out mesh: the enclosed volume is {volume_m3} m^3 and must be positive (facets counter-clockwise seen from outside)"
@@ -140,9 +156,13 @@ pub enum TilingError {
 fn list(noun: &str, indices: &[usize]) -> String {
     const SHOWN: usize = 8;
     let shown = indices.iter().take(SHOWN).map(|i| (i + 1).to_string()).collect::<Vec<_>>().join(", ");
-    let plural = if indices.len() == 1 { "" } else { "s" };
+    let noun = match (noun, indices.len()) {
+        (noun, 1) => noun.to_owned(),
+        ("vertex", _) => "vertices".to_owned(),
+        (noun, _) => format!("{noun}s"),
+    };
     match indices.len().saturating_sub(SHOWN) {
-        0 => format!("{noun}{plural} {shown}"),
-        more => format!("{noun}{plural} {shown} and {more} more"),
+        0 => format!("{noun} {shown}"),
+        more => format!("{noun} {shown} and {more} more"),
     }
 }

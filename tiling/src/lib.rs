@@ -4,6 +4,7 @@
 #![warn(missing_docs)]
 
 pub mod checks;
+mod contact;
 mod error;
 pub mod fibonacci;
 pub mod hull;

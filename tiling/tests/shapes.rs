@@ -40,7 +40,7 @@ fn real_shapes_are_closed_and_have_their_published_volume_and_moment() {
     let Some(folder) = shapes() else { return };
     for (name, volume, moment) in TABLE {
         let mesh = read(&folder, name);
-        assert_eq!(mesh.check(), Ok(()), "{name}");
+        assert_eq!((mesh.check(), mesh.check_contact()), (Ok(()), Ok(())), "{name}");
         assert_eq!(mesh.euler_characteristic(), 2, "{name}");
         let solid = mesh.solid();
         let radius = solid.equal_volume_radius();
@@ -86,7 +86,7 @@ fn inside_test_measures_the_volume_of_a_concave_shape() {
 fn shipped_top_shape_is_closed_and_follows_its_formula() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/shapes");
     let mesh = read(&folder, "top.obj");
-    assert_eq!((mesh.check(), mesh.facets.len()), (Ok(()), 2000));
+    assert_eq!((mesh.check(), mesh.check_contact(), mesh.facets.len()), (Ok(()), Ok(()), 2000));
     let top = TopShape::new(300.0);
     for v in &mesh.vertices {
         let radius = v.iter().map(|c| c * c).sum::<f64>().sqrt();
