@@ -3,7 +3,7 @@
 //! `cargo bench -p yorp-taco`; real shapes are taken from `../shared/shapes` next to the repository where they exist.
 
 use divan::Bencher;
-use taco::{Hapke, HorizonMap, Orbit, RecoilTable, Sampling, Surface, torque_table};
+use taco::{Hapke, HorizonMap, Orbit, Pose, RecoilTable, Sampling, ShapeCache, Surface, torque_table};
 use tiling::Mesh;
 
 fn main() {
@@ -75,4 +75,45 @@ fn curve_of_shape(bencher: Bencher, name: &str) {
         }
         None => println!("skipped: no shape {name}"),
     }
+}
+
+/// The body with three patches of five vertices pushed out, as three moved spheres leave it.
+fn pushed(mesh: &Mesh) -> Mesh {
+    let mut pushed = mesh.clone();
+    for part in 1..4 {
+        let middle = mesh.vertices[part * mesh.vertices.len() / 4];
+        let distance = |v: &[f64; 3]| (0..3).map(|k| (v[k] - middle[k]).powi(2)).sum::<f64>();
+        let mut nearest: Vec<usize> = (0..mesh.vertices.len()).collect();
+        nearest.sort_by(|i, j| distance(&mesh.vertices[*i]).total_cmp(&distance(&mesh.vertices[*j])));
+        nearest[..5].iter().for_each(|v| pushed.vertices[*v] = mesh.vertices[*v].map(|c| 1.03 * c));
+    }
+    pushed
+}
+
+/// The whole table of the pushed body, the other one being known: in the same axes, and in axes turned by half a degree.
+#[divan::bench(args = [(784, false), (784, true), (3184, false), (3184, true)], sample_count = 9, sample_size = 1)]
+fn retiled(bencher: Bencher, (facets, turned): (usize, bool)) {
+    let mesh = bumpy(facets / 2 + 2);
+    let pushed = pushed(&mesh);
+    let (s, c) = 0.5f64.to_radians().sin_cos();
+    let axes = [[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]];
+    let pose = if turned { Pose { axes, ..Pose::default() } } else { Pose::default() };
+    let known = || {
+        let cache = ShapeCache::new(mesh.clone(), &Surface::default(), &Orbit::default(), &Sampling::default());
+        let mut cache = cache.expect("a sound mesh");
+        cache.torque_table(&Pose::default()).expect("finite torques");
+        (cache, pushed.clone())
+    };
+    bencher.with_inputs(known).bench_values(|(mut cache, pushed)| {
+        cache.retile(pushed).expect("a sound mesh");
+        cache.torque_table(&pose)
+    });
+}
+
+/// Four and nine points a facet.
+#[divan::bench(args = [1, 4, 9], sample_count = 3, sample_size = 1)]
+fn facet_samples(bencher: Bencher, facet_samples: usize) {
+    let mesh = bumpy(394);
+    let sampling = Sampling { facet_samples, ..Sampling::default() };
+    bencher.bench(|| torque_table(&mesh, &Surface::default(), &Orbit::default(), &sampling));
 }

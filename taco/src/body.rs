@@ -55,14 +55,17 @@ impl Shading {
         Some(Self { facets: facets.to_vec(), scanner, map, subdivision, samples, exchange, heating })
     }
 
-    /// Moves to another shape, on which all horizons but those of the facets `touched` are the same.
-    pub fn look_again(&mut self, mesh: &Mesh, facets: Vec<Facet>, scanner: Scanner, touched: &[usize]) {
+    /// Moves to another shape, on which all horizons but those of the facets `touched` are the same; says of these which
+    /// differ.
+    pub fn look_again(&mut self, mesh: &Mesh, facets: Vec<Facet>, scanner: Scanner, touched: &[usize]) -> Vec<bool> {
         (self.facets, self.scanner) = (facets, scanner);
-        self.map.look_again(&self.facets, &self.scanner, touched);
+        let mut differ = self.map.look_again(&self.facets, &self.scanner, touched);
         if let Some(samples) = &mut self.samples {
-            samples.look_again(mesh, &self.facets, &self.scanner, &self.map, &self.subdivision, touched);
+            let too = samples.look_again(mesh, &self.facets, &self.scanner, &self.map, &self.subdivision, touched);
+            differ.iter_mut().zip(too).for_each(|(d, too)| *d |= too);
         }
         self.exchange = Exchange::new(&self.facets, &self.scanner, &self.map, self.heating);
+        differ
     }
 
     /// The shaded facets from which sampling errors are estimated. Which of them does not depend on the others, so that most
@@ -89,9 +92,13 @@ pub(crate) struct Memory {
 }
 
 impl Memory {
-    /// Forgets one facet.
-    pub fn forget(&mut self, facet: usize) {
+    /// Forgets the response of one facet.
+    pub fn forget_response(&mut self, facet: usize) {
         self.known.get_mut(facet).into_iter().for_each(|k| *k = false);
+    }
+
+    /// Forgets what finer sampling changes in one facet.
+    pub fn forget_differences(&mut self, facet: usize) {
         self.differences.get_mut(facet).into_iter().for_each(|d| *d = None);
     }
 }

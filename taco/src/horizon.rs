@@ -65,12 +65,17 @@ impl HorizonMap {
         Self { azimuth_bins: scanner.azimuths.len(), horizons }
     }
 
-    /// The map of a mesh on which all horizons but those of the facets `touched` are the same.
-    pub(crate) fn look_again(&mut self, facets: &[Facet], scanner: &Scanner, touched: &[usize]) {
+    /// Moves to a mesh on which all horizons but those of the facets `touched` are the same; says of these which differ.
+    pub(crate) fn look_again(&mut self, facets: &[Facet], scanner: &Scanner, touched: &[usize]) -> Vec<bool> {
         self.horizons.resize(facets.len(), None);
         let look = |scratch: &mut ScanScratch, f: &usize| scanner.horizon(&facets[*f], scratch);
         let found: Vec<_> = touched.par_iter().map_init(ScanScratch::default, look).collect();
-        touched.iter().zip(found).for_each(|(f, horizon)| self.horizons[*f] = horizon);
+        let replace = |(f, horizon): (&usize, Option<Horizon>)| {
+            let differs = self.horizons[*f] != horizon;
+            self.horizons[*f] = horizon;
+            differs
+        };
+        touched.iter().zip(found).map(replace).collect()
     }
 
     /// Number of azimuths.

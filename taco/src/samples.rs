@@ -75,7 +75,7 @@ impl SampledHorizons {
         all
     }
 
-    /// Moves to a mesh on which all horizons but those of the facets `touched` are the same.
+    /// Moves to a mesh on which all horizons but those of the facets `touched` are the same; says of these which differ.
     pub fn look_again(
         &mut self,
         mesh: &Mesh,
@@ -84,14 +84,19 @@ impl SampledHorizons {
         map: &HorizonMap,
         subdivision: &Subdivision,
         touched: &[usize],
-    ) {
+    ) -> Vec<bool> {
         self.horizons.resize(facets.len(), Box::default());
         let look = |scratch: &mut ScanScratch, f: &usize| -> Box<[Option<Horizon>]> {
             let points = map.horizon(*f).map(|_| subdivision.points(mesh, *f));
             points.into_iter().flatten().map(|p| scanner.horizon(&facets[*f].at(p), scratch)).collect()
         };
         let found: Vec<_> = touched.par_iter().map_init(ScanScratch::default, look).collect();
-        touched.iter().zip(found).for_each(|(f, horizons)| self.horizons[*f] = horizons);
+        let replace = |(f, horizons): (&usize, Box<[Option<Horizon>]>)| {
+            let differs = self.horizons[*f] != horizons;
+            self.horizons[*f] = horizons;
+            differs
+        };
+        touched.iter().zip(found).map(replace).collect()
     }
 
     /// The horizons of the triangles of a facet.

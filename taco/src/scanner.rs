@@ -83,16 +83,17 @@ impl Scanner {
         rises.then(|| Horizon { overhangs, tan_elevation: hidden.ground.iter().map(|t| kept(*t)).collect() })
     }
 
-    /// Whether any facet may hide sky from a point of the surface, however little and wherever else it is hidden already.
-    pub fn concerns(&self, facet: &Facet, scratch: &mut ScanScratch) -> bool {
-        let axes = facet.horizon_axes();
-        let above = |p: &[f64; 3]| (0..3).map(|k| axes[2][k] * (p[k] - facet.point[k])).sum::<f64>();
+    /// Whether any facet may hide sky from somewhere on the observer, a triangle with these corners, however little and
+    /// wherever else that sky is hidden already.
+    pub fn concerns(&self, facet: &Facet, corners: &[[f64; 3]; 3], scratch: &mut ScanScratch) -> bool {
+        let up = facet.horizon_axes()[2];
+        let above = |p: &[f64; 3]| (0..3).map(|k| up[k] * (p[k] - facet.point[k])).sum::<f64>();
         let ScanScratch { stack, .. } = scratch;
         stack.clear();
         stack.push(0);
         while let Some(index) = stack.pop() {
             let node = &self.nodes[index as usize];
-            if self.visible(node, &axes, &facet.point, |_, _, _| true).is_none() {
+            if above(&node.centre) + node.radius <= 0.0 {
                 continue;
             }
             if node.facets == 0 {
@@ -100,8 +101,11 @@ impl Scanner {
                 continue;
             }
             let occluders = &self.occluders[node.at as usize..(node.at + node.facets) as usize];
-            let rises = |o: &Occluder| o.corners.iter().any(|c| above(c) > 0.0);
-            if occluders.iter().any(|o| dot(&o.normal, &facet.point) > o.offset && rises(o)) {
+            // Whether it faces a place is linear in the place, so what faces no corner faces nothing between them.
+            let faces = |o: &Occluder| {
+                dot(&o.normal, &facet.point) > o.offset || corners.iter().any(|c| dot(&o.normal, c) > o.offset)
+            };
+            if occluders.iter().any(|o| o.corners.iter().any(|c| above(c) > 0.0) && faces(o)) {
                 return true;
             }
         }

@@ -66,13 +66,19 @@ impl ShapeCache {
             && mesh.vertices.len() == self.mesh.vertices.len()
             && scanner.as_ref().map(|s| s.tolerance) == self.shading.as_ref().map(|s| s.scanner.tolerance);
         let touched = if comparable { self.touched(&mesh, &facets) } else { (0..facets.len()).collect() };
-        if let (Some(shading), Some(scanner)) = (&mut self.shading, scanner) {
-            shading.look_again(&mesh, facets.clone(), scanner, &touched);
-        }
+        let differ = match (&mut self.shading, scanner) {
+            (Some(shading), Some(scanner)) => shading.look_again(&mesh, facets.clone(), scanner, &touched),
+            _ => vec![true; touched.len()],
+        };
         // Light that is followed makes every facet depend on every other.
         let local = self.shading.as_ref().is_none_or(|s| s.exchange.is_none());
         if comparable && local {
-            touched.iter().for_each(|f| self.memory.forget(*f));
+            for (&f, differs) in touched.iter().zip(differ) {
+                self.memory.forget_differences(f);
+                if differs || mesh.corners(f) != self.mesh.corners(f) {
+                    self.memory.forget_response(f);
+                }
+            }
         } else {
             self.memory = Memory::default();
         }
@@ -110,9 +116,9 @@ impl ShapeCache {
         if !changed.contains(&true) {
             return Vec::new();
         }
-        let Some(shading) = &self.shading else {
+        if self.shading.is_none() {
             return (0..changed.len()).filter(|f| changed[*f]).collect();
-        };
+        }
         // The changed facets as they were and as they are.
         let offset = old.vertices.len() as u32;
         let as_was = old.facets.iter().zip(&changed).filter(|(_, c)| **c).map(|(f, _)| *f);
@@ -120,15 +126,9 @@ impl ShapeCache {
             vertices: old.vertices.iter().chain(&new.vertices).copied().collect(),
             facets: as_was.clone().chain(as_was.map(|f| f.map(|v| v + offset))).collect(),
         };
-        let mut change = Scanner::new(&both, self.sampling.azimuth_bins);
-        change.tolerance = 0.0;
+        let change = Scanner::new(&both, self.sampling.azimuth_bins);
         let look = |scratch: &mut ScanScratch, f: usize| {
-            let facet = &new_facets[f];
-            let concerned = |p: [f64; 3], scratch: &mut ScanScratch| change.concerns(&facet.at(p), scratch);
-            changed[f]
-                || change.concerns(facet, scratch)
-                || shading.subdivision.points(new, f).any(|p| concerned(p, scratch))
-                || shading.subdivision.finer_points(new, f).any(|p| concerned(p, scratch))
+            changed[f] || change.concerns(&new_facets[f], &new.corners(f).map(Into::into), scratch)
         };
         let touched: Vec<bool> = (0..changed.len()).into_par_iter().map_init(ScanScratch::default, look).collect();
         (0..touched.len()).filter(|f| touched[*f]).collect()
