@@ -16,6 +16,7 @@ fn table(step_deg: f64) -> TorqueTable {
         omega: vec![0.0],
         obliquity,
         error: TorqueError::default(),
+        transverse_force_n: Vec::new(),
         shaded_facets: 0,
     }
 }

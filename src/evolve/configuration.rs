@@ -265,6 +265,7 @@ fn interpolant(scene: &Scene, record: &TorqueRecord) -> Result<TorqueInterpolant
         spin_torque_n_m: by_spin_rate(&record.spin_torque),
         obliquity_torque_n_m: by_spin_rate(&record.obliquity_torque),
         error: taco::TorqueError::default(),
+        transverse_force_n: Vec::new(),
         shaded_facets: 0,
     };
     Ok(table.interpolant(scene.torque.interpolation.to_taco())?)

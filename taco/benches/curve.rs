@@ -3,7 +3,7 @@
 //! `cargo bench -p yorp-taco`; real shapes are taken from `../shared/shapes` next to the repository where they exist.
 
 use divan::Bencher;
-use taco::{Hapke, HorizonMap, Orbit, Pose, RecoilTable, Sampling, ShapeCache, Surface, torque_table};
+use taco::{Hapke, HorizonMap, Orbit, Pose, RecoilTable, Sampling, ShapeCache, SpinRates, Surface, torque_table};
 use tiling::Mesh;
 
 fn main() {
@@ -57,6 +57,18 @@ fn horizons(bencher: Bencher, facets: usize) {
 fn curve(bencher: Bencher, facets: usize) {
     let mesh = bumpy(facets / 2 + 2);
     bencher.bench(|| torque_table(&mesh, &Surface::default(), &Orbit::default(), &Sampling::default()));
+}
+
+/// Thermal inertia 200 at one spin rate (6 h).
+#[divan::bench(args = ["didymos_800", "ryugu_3200", "itokawa_3200"], sample_count = 3, sample_size = 1)]
+fn heat_of_shape(bencher: Bencher, name: &str) {
+    let surface = Surface { thermal_inertia: 200.0, ..Surface::default() };
+    let spin_rates = SpinRates::ListRadS(vec![std::f64::consts::TAU / 21_600.0]);
+    let sampling = Sampling { spin_rates, ..Sampling::default() };
+    match shape(name) {
+        Some(mesh) => bencher.bench(|| torque_table(&mesh, &surface, &Orbit::default(), &sampling)),
+        None => println!("skipped: no shape {name}"),
+    }
 }
 
 #[divan::bench(args = SHAPES, sample_count = 3, sample_size = 1)]

@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use tiling::Mesh;
 
 /// Facets summed by one thread before the sums are added up in order; fixed, so that the thread count changes no byte.
-const CHUNK: usize = 64;
+pub(crate) const CHUNK: usize = 64;
 /// What sampling costs is estimated from one in at most this many shaded facets; a power of two.
 const ESTIMATED_ONE_IN: usize = 16;
 /// At least this many facets are looked at for that.
@@ -125,13 +125,13 @@ pub(crate) struct SamplingErrors {
 
 impl<K: RecoilKernel> Body<'_, K> {
     /// Horizon for shadows and sky for emission that the surface asks for.
-    fn view<'h>(&self, horizon: Option<&'h Horizon>) -> (Option<&'h Horizon>, SkyView) {
+    pub fn view<'h>(&self, horizon: Option<&'h Horizon>) -> (Option<&'h Horizon>, SkyView) {
         let sky = horizon.filter(|_| self.surface.sky_blockage).map_or(SkyView::OPEN, sky_view);
         (horizon.filter(|_| self.surface.shadows), sky)
     }
 
     /// What the light of a facet does to the body in its frame, if part of it is followed to other facets.
-    fn wrench(&self, f: usize, azimuths: Azimuths) -> Option<Wrench> {
+    pub fn wrench(&self, f: usize, azimuths: Azimuths) -> Option<Wrench> {
         let exchange = self.shading?.exchange.as_ref()?;
         Some(self.pose.wrench(exchange.wrench(f, azimuths)?))
     }
@@ -153,24 +153,28 @@ impl<K: RecoilKernel> Body<'_, K> {
         }
     }
 
-    /// Adds the response of a facet, times `weight`, to `out`; with horizons at every other azimuth if `HALVED`.
-    fn respond<const HALVED: bool>(&self, days: &mut Days<K>, f: usize, weight: f64, out: &mut [f64]) {
+    /// Calls `visit` for each part from which a facet's shadows are seen, with its horizon and its share of the area.
+    pub fn for_each_part(&self, f: usize, mut visit: impl FnMut(&Facet, Option<&Horizon>, f64)) {
         let facet = &self.facets[f];
-        let wrench = self.wrench(f, if HALVED { Azimuths::EveryOther } else { Azimuths::All });
-        let mut add = |facet: &Facet, horizon: Option<&Horizon>, weight: f64| {
-            let halved = horizon.filter(|_| HALVED).map(Horizon::every_other);
-            self.add(days, facet, halved.as_ref().or(horizon), wrench.as_ref(), weight, out);
-        };
         let Some((shading, horizon)) = self.shading.and_then(|s| Some((s, s.map.horizon(f)?))) else {
-            return add(facet, None, weight);
+            return visit(facet, None, 1.0);
         };
         let Some(samples) = &shading.samples else {
-            return add(facet, Some(horizon), weight);
+            return visit(facet, Some(horizon), 1.0);
         };
-        let weight = weight / shading.subdivision.len() as f64;
+        let share = 1.0 / shading.subdivision.len() as f64;
         for (point, horizon) in shading.subdivision.points(self.mesh, f).zip(samples.of(f)) {
-            add(&facet.at(self.pose.point(point)), horizon.as_ref(), weight);
+            visit(&facet.at(self.pose.point(point)), horizon.as_ref(), share);
         }
+    }
+
+    /// Adds the response of a facet, times `weight`, to `out`; with horizons at every other azimuth if `HALVED`.
+    fn respond<const HALVED: bool>(&self, days: &mut Days<K>, f: usize, weight: f64, out: &mut [f64]) {
+        let wrench = self.wrench(f, if HALVED { Azimuths::EveryOther } else { Azimuths::All });
+        self.for_each_part(f, |part, horizon, share| {
+            let halved = horizon.filter(|_| HALVED).map(Horizon::every_other);
+            self.add(days, part, halved.as_ref().or(horizon), wrench.as_ref(), weight * share, out);
+        });
     }
 
     /// Torque per unit pressure, N m / Pa: `[tau_z, tau_u]` at each declination, summed over all facets. What `memory` knows

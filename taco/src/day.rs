@@ -27,7 +27,6 @@ pub(crate) type Response = [f64];
 
 /// Averages a facet over the rotation; one per thread.
 pub(crate) struct Day<'a, K> {
-    #[allow(dead_code)]
     kernel: &'a K,
     arcs: Arcs<'a, K>,
     declinations: &'a Declinations,
@@ -102,8 +101,36 @@ impl<'a, K: RecoilKernel> Day<'a, K> {
         }
     }
 
+    /// Adds the facet's force along `u x z`, `u` the Sun's equatorial direction, at each declination, N per pressure: what
+    /// moves the body along its orbit at zero obliquity, were no heat stored.
+    /// `emitted` is the momentum of what is emitted, as of [`emission_vector`].
+    pub fn add_transverse(
+        &mut self,
+        facet: &Facet,
+        shadows: Option<&Horizon>,
+        emitted: [f64; 3],
+        weight: f64,
+        out: &mut [f64],
+    ) {
+        if let Some(horizon) = shadows {
+            self.walk_horizon(facet, horizon);
+        }
+        let [meridian, east, _] = emitted;
+        let weight = weight * facet.area / TAU;
+        for (j, out) in out.iter_mut().enumerate() {
+            let (a, b) = (facet.sin_lat * self.declinations.sin[j], facet.cos_lat * self.declinations.cos[j]);
+            let mut lit = Lit::default();
+            match shadows {
+                None => self.arcs.add_open_day(a, b, &mut lit),
+                Some(horizon) => self.add_lit_arcs(facet, horizon, j, &mut lit),
+            }
+            // What goes back towards the Sun pushes away from it, not along.
+            let [_, cos, sin] = lit.emitted;
+            *out += weight * (east * cos - meridian * sin - facet.cos_lat * lit.normal[2]);
+        }
+    }
+
     /// Mean fluxes that the facet absorbs and reflects in each cell of local time, per unit flux of the beam.
-    #[allow(dead_code)]
     pub fn cell_means(&mut self, facet: &Facet, shadows: Option<&Horizon>, cells: &Cells, out: &mut CellFlux) {
         let n = cells.count();
         out.reset(self.declinations.len(), n);
@@ -350,11 +377,7 @@ struct Arms {
 
 impl Arms {
     fn new(facet: &Facet, sky: &SkyView) -> Self {
-        let (s, c) = (facet.sin_lat, facet.cos_lat);
-        let [north, west] = facet.north_west(sky.tangential);
-        let up = sky.normal;
-        let emitted = cross(facet.local_point(), [c * up - s * north, -west, c * north + s * up]);
-        Self::with_emitted(facet, emitted)
+        Self::with_emitted(facet, cross(facet.local_point(), emission_vector(facet, sky)))
     }
 
     fn followed(facet: &Facet, wrench: &Wrench) -> Self {
@@ -380,7 +403,16 @@ impl Arms {
     }
 }
 
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+/// Momentum of the light that a facet emits and that escapes, per emitted energy over the speed of light, in the facet's
+/// (meridian, east, spin axis) frame.
+pub(crate) fn emission_vector(facet: &Facet, sky: &SkyView) -> [f64; 3] {
+    let (s, c) = (facet.sin_lat, facet.cos_lat);
+    let ([north, west], up) = (facet.north_west(sky.tangential), sky.normal);
+    [c * up - s * north, -west, c * north + s * up]
+}
+
+/// Vector product.
+pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 

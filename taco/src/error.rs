@@ -22,6 +22,14 @@ pub enum TacoError {
         /// What is wrong with it.
         problem: &'static str,
     },
+    /// Spin rates that are missing or not in ascending order.
+    #[error("sampling.spin_rates: {problem} (entry {index})")]
+    BadSpinRates {
+        /// First offending entry, counted from 0.
+        index: usize,
+        /// What is wrong with it.
+        problem: &'static str,
+    },
     /// A mesh without facets.
     #[error("the mesh has no facets")]
     EmptyMesh,

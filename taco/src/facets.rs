@@ -58,6 +58,17 @@ impl Facet {
         [c * north + s * west, c * west - s * north]
     }
 
+    /// Unit area at the origin, its normal at this latitude (rad).
+    pub fn at_latitude(latitude: f64) -> Self {
+        let (sin, cos) = latitude.sin_cos();
+        Self::new([0.0; 3], [cos, 0.0, sin])
+    }
+
+    /// Latitude of the normal, rad.
+    pub fn latitude(&self) -> f64 {
+        self.sin_lat.atan2(self.cos_lat)
+    }
+
     /// Axes of the horizon: north, west and the normal, body frame. Azimuth runs from north over west.
     pub fn horizon_axes(&self) -> [[f64; 3]; 3] {
         let ([mx, my], s, c) = (self.meridian, self.sin_lat, self.cos_lat);

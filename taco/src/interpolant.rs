@@ -19,9 +19,12 @@ pub enum Interpolation {
 #[derive(Debug, Clone, PartialEq)]
 pub struct TorqueInterpolant {
     obliquity: Vec<f64>,
-    omega: Vec<f64>,
+    /// Square roots of the spin rates, in which the torque is smooth: the thermal parameter goes with them.
+    root_omega: Vec<f64>,
     /// Torque and curvature of the spin torque, then of the obliquity torque, `[omega][obliquity]`.
     nodes: Vec<Vec<[f64; 4]>>,
+    /// Their slopes in the root of the spin rate.
+    slopes: Vec<Vec<[f64; 4]>>,
 }
 
 impl TorqueInterpolant {
@@ -36,8 +39,8 @@ impl TorqueInterpolant {
         if obliquity[0] != 0.0 || (obliquity[n - 1] - PI).abs() > 1e-12 {
             return bad("its obliquities do not run from 0 to 180 deg");
         }
-        if omega.is_empty() || omega.windows(2).any(|w| !w[0].lt(&w[1])) {
-            return bad("it needs spin rates in ascending order");
+        if omega.is_empty() || !(0.0..=f64::MAX).contains(&omega[0]) || omega.windows(2).any(|w| !w[0].lt(&w[1])) {
+            return bad("it needs spin rates in ascending order, none negative");
         }
         if spin_torque_n_m.len() != omega.len() || obliquity_torque_n_m.len() != omega.len() {
             return bad("it needs one row of torques per spin rate");
@@ -57,14 +60,17 @@ impl TorqueInterpolant {
             };
             (0..n).map(|k| [spin[k], m_spin[k], tilt[k], m_tilt[k]]).collect()
         });
-        Ok(Self { obliquity: obliquity.clone(), omega: omega.clone(), nodes: nodes.collect() })
+        let nodes: Vec<Vec<_>> = nodes.collect();
+        let root_omega: Vec<f64> = omega.iter().map(|o| o.sqrt()).collect();
+        let slopes = (0..omega.len()).map(|w| slopes(&root_omega, &nodes, w)).collect();
+        Ok(Self { obliquity: obliquity.clone(), root_omega, nodes, slopes })
     }
 
     /// Spin torque `T_omega` and obliquity torque `T_epsilon`, N m, at an obliquity (rad) and a spin rate (rad/s).
     ///
     /// Any obliquity is allowed: beyond 0 and 180 deg the torques go on by their symmetry. `T_epsilon` is exactly zero
-    /// at both. Between spin rates the torques are interpolated linearly, beyond the outer ones they are constant; a
-    /// table with one spin rate does not depend on it. NaN in, NaN out.
+    /// at both. Between spin rates the torques are cubics in the root of the spin rate, with continuous slopes; beyond the
+    /// outer ones they are constant, and a table with one spin rate does not depend on it. NaN in, NaN out.
     pub fn at(&self, obliquity: f64, omega: f64) -> (f64, f64) {
         let turned = obliquity.rem_euclid(TAU);
         let (folded, sign) = if turned > PI { (TAU - turned, -1.0) } else { (turned, 1.0) };
@@ -72,19 +78,53 @@ impl TorqueInterpolant {
         let k = (x.partition_point(|node| *node <= folded)).clamp(1, x.len() - 1) - 1;
         let h = x[k + 1] - x[k];
         let [y0, y1, m0, m1] = weights(h, ((folded - x[k]) / h).clamp(0.0, 1.0));
-        let row = |w: usize| {
-            let (a, b) = (&self.nodes[w][k], &self.nodes[w][k + 1]);
+        let row = |rows: &[Vec<[f64; 4]>], w: usize| {
+            let (a, b) = (&rows[w][k], &rows[w][k + 1]);
             let value = |c: usize| y0 * a[c] + y1 * b[c] + m0 * a[c + 1] + m1 * b[c + 1];
-            (value(0), sign * value(2))
+            [value(0), sign * value(2)]
         };
-        let last = self.omega.len() - 1;
-        let above = self.omega.partition_point(|node| *node <= omega);
-        if above == 0 || above > last {
-            return row(above.min(last));
+        let roots = &self.root_omega;
+        let (last, root) = (roots.len() - 1, if omega < 0.0 { 0.0 } else { omega.sqrt() });
+        let above = roots.partition_point(|node| *node <= root);
+        if last > 0 && omega.is_nan() {
+            return (f64::NAN, f64::NAN);
         }
-        let t = (omega - self.omega[above - 1]) / (self.omega[above] - self.omega[above - 1]);
-        let ((spin0, tilt0), (spin1, tilt1)) = (row(above - 1), row(above));
-        (spin0 + t * (spin1 - spin0), tilt0 + t * (tilt1 - tilt0))
+        if above == 0 || above > last {
+            let [spin, tilt] = row(&self.nodes, above.min(last));
+            return (spin, tilt);
+        }
+        let step = roots[above] - roots[above - 1];
+        let t = (root - roots[above - 1]) / step;
+        let s = 1.0 - t;
+        let hermite = [s * s * (1.0 + 2.0 * t), t * t * (1.0 + 2.0 * s), step * t * s * s, -step * s * t * t];
+        let terms = [
+            row(&self.nodes, above - 1),
+            row(&self.nodes, above),
+            row(&self.slopes, above - 1),
+            row(&self.slopes, above),
+        ];
+        let sum = |c: usize| hermite.iter().zip(&terms).map(|(h, t)| h * t[c]).sum();
+        (sum(0), sum(1))
+    }
+}
+
+/// Slopes at node `w` of the parabola through it and its neighbours, or through the outermost three; of the straight line
+/// where there are but two nodes.
+fn slopes(x: &[f64], nodes: &[Vec<[f64; 4]>], w: usize) -> Vec<[f64; 4]> {
+    let obliquities = 0..nodes[w].len();
+    let secant = |w: usize, k: usize, c: usize| (nodes[w + 1][k][c] - nodes[w][k][c]) / (x[w + 1] - x[w]);
+    match x.len() {
+        1 => obliquities.map(|_| [0.0; 4]).collect(),
+        2 => obliquities.map(|k| std::array::from_fn(|c| secant(0, k, c))).collect(),
+        n => {
+            let middle = w.clamp(1, n - 2);
+            let slope = |k: usize, c: usize| {
+                let (left, right) = (secant(middle - 1, k, c), secant(middle, k, c));
+                let curvature = (right - left) / (x[middle + 1] - x[middle - 1]);
+                left + curvature * (2.0 * x[w] - x[middle - 1] - x[middle])
+            };
+            obliquities.map(|k| std::array::from_fn(|c| slope(k, c))).collect()
+        }
     }
 }
 
@@ -102,6 +142,7 @@ mod tests {
             spin_torque_n_m: rows(|x| (2.0 * x).cos()),
             obliquity_torque_n_m: rows(|x| (2.0 * x).sin()),
             error: TorqueError::default(),
+            transverse_force_n: Vec::new(),
             shaded_facets: 0,
             obliquity,
         };
@@ -149,7 +190,24 @@ mod tests {
         let curve = table(5).interpolant(Interpolation::Cubic).unwrap();
         let at = |omega| curve.at(0.0, omega).0;
         assert_eq!([at(0.0), at(1e-4), at(3e-4), at(1.0)], [1.0, 1.0, 3.0, 3.0]);
-        assert!((at(2e-4) - 2.0).abs() < 1e-12);
+        let half_way = (0.5 * (1e-2 + 3e-4f64.sqrt())).powi(2);
+        assert!((at(half_way) - 2.0).abs() < 1e-12, "{}", at(half_way));
+        assert!(curve.at(0.0, f64::NAN).0.is_nan());
+    }
+
+    /// A parabola in the root of the spin rate is kept, whatever the nodes.
+    #[test]
+    fn parabolas_in_the_root_of_the_spin_rate_are_exact() {
+        let mut table = table(30);
+        table.omega = vec![0.0, 1e-6, 1e-5, 4e-5, 1e-4];
+        let parabola = |omega: f64| 2.0 + 300.0 * omega.sqrt() - 4e4 * omega;
+        let row = |omega: &f64| table.obliquity.iter().map(|_| parabola(*omega)).collect();
+        table.spin_torque_n_m = table.omega.iter().map(row).collect();
+        table.obliquity_torque_n_m = vec![vec![0.0; 7]; 5];
+        let curve = table.interpolant(Interpolation::Linear).unwrap();
+        for omega in [0.0, 3e-7, 2e-6, 2e-5, 9e-5, 1e-4] {
+            assert!((curve.at(0.7, omega).0 - parabola(omega)).abs() < 1e-12, "{omega}");
+        }
     }
 
     #[test]

@@ -53,13 +53,14 @@ mod torque;
 mod tree;
 
 pub use error::TacoError;
+pub use heat::{SeasonalHeat, seasonal_heat};
 pub use horizon::{Horizon, HorizonMap, Overhang};
 pub use interpolant::{Interpolation, TorqueInterpolant};
-pub use orbit::Orbit;
+pub use orbit::{AU_PER_MYR, Orbit};
 pub use pose::Pose;
 pub use recoil::RecoilTable;
-pub use sampling::{Obliquities, Sampling};
+pub use sampling::{Obliquities, Sampling, SpinRates};
 pub use shape_cache::ShapeCache;
 pub use sky::{SkyView, sky_view};
-pub use surface::{Hapke, MultipleScattering, Reflectance, SelfHeating, Surface};
+pub use surface::{Hapke, MultipleScattering, Reflectance, SelfHeating, Surface, Wall};
 pub use torque::{ErrorPart, TorqueError, TorqueTable, torque_table};

@@ -1,6 +1,6 @@
 //! The heliocentric orbit, as far as a torque that stores no heat feels it.
 
-use crate::constants::{SOLAR_CONSTANT_W_M2, SPEED_OF_LIGHT_M_S};
+use crate::constants::{ASTRONOMICAL_UNIT_M, SOLAR_CONSTANT_W_M2, SPEED_OF_LIGHT_M_S, SUN_GM_M3_S2};
 use crate::error::{TacoError, require};
 
 /// Size and shape of the heliocentric orbit.
@@ -11,6 +11,9 @@ pub struct Orbit {
     /// Eccentricity, in [0, 1) (default: 0).
     pub eccentricity: f64,
 }
+
+/// One metre per second in au per million Julian years.
+pub const AU_PER_MYR: f64 = 3.155_76e13 / ASTRONOMICAL_UNIT_M;
 
 impl Default for Orbit {
     fn default() -> Self {
@@ -29,6 +32,17 @@ impl Orbit {
     /// [`Self::mean_flux_w_m2`] as a pressure, Pa.
     pub fn mean_pressure_pa(&self) -> f64 {
         self.mean_flux_w_m2() / SPEED_OF_LIGHT_M_S
+    }
+
+    /// Mean motion, rad/s.
+    pub fn mean_motion_rad_s(&self) -> f64 {
+        (SUN_GM_M3_S2 / (self.semimajor_axis_au * ASTRONOMICAL_UNIT_M).powi(3)).sqrt()
+    }
+
+    /// Drift of the semimajor axis of a body of the mass `mass_kg`, m/s, under the orbit-averaged transverse force of a
+    /// [`TorqueTable`](crate::TorqueTable), N: `2 F / (n m)`. Times [`AU_PER_MYR`] it is in au per Myr.
+    pub fn semimajor_axis_drift_m_s(&self, transverse_force_n: f64, mass_kg: f64) -> f64 {
+        2.0 * transverse_force_n / (self.mean_motion_rad_s() * mass_kg)
     }
 
     /// Refuses impossible values.

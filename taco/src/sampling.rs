@@ -1,6 +1,8 @@
 //! The numerical knobs of a torque table.
 
 use crate::error::{TacoError, require};
+use crate::heat::spin_rates::graded;
+use std::f64::consts::TAU;
 
 /// Which obliquities to compute and how finely to sample; the defaults were chosen from measured error curves.
 ///
@@ -22,6 +24,24 @@ pub struct Sampling {
     /// The facet is cut into as many congruent triangles, each seen from its centroid. Facets above whose plane nothing
     /// rises take no more time.
     pub facet_samples: usize,
+    /// Cells of a rotation in which heat is followed; even, in [16, 1024] (default: 64). Only for surfaces that store heat.
+    pub rotation_cells: usize,
+    /// Spin rates of the table (default: up to a period of 2 h). A surface that stores no heat ignores them.
+    pub spin_rates: SpinRates,
+}
+
+/// The spin rates of a table.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SpinRates {
+    /// So many, from 0 (where heat makes no difference) to the largest, spread so that cubics between them serve.
+    UpTo {
+        /// Largest spin rate, rad/s, in (0, 1].
+        max_rad_s: f64,
+        /// Number of spin rates, in [2, 100].
+        nodes: usize,
+    },
+    /// These, rad/s, in [0, 1] and ascending.
+    ListRadS(Vec<f64>),
 }
 
 /// The obliquities of a table.
@@ -35,7 +55,53 @@ pub enum Obliquities {
 
 impl Default for Sampling {
     fn default() -> Self {
-        Self { obliquities: Obliquities::StepDeg(5.0), azimuth_bins: 120, declination_nodes: 37, facet_samples: 1 }
+        Self {
+            obliquities: Obliquities::StepDeg(5.0),
+            azimuth_bins: 120,
+            declination_nodes: 37,
+            facet_samples: 1,
+            rotation_cells: 64,
+            spin_rates: SpinRates::default(),
+        }
+    }
+}
+
+impl Default for SpinRates {
+    fn default() -> Self {
+        Self::UpTo { max_rad_s: TAU / 7200.0, nodes: 11 }
+    }
+}
+
+impl SpinRates {
+    fn validate(&self) -> Result<(), TacoError> {
+        match self {
+            &Self::UpTo { max_rad_s, nodes } => {
+                let ok = max_rad_s > 0.0 && max_rad_s <= 1.0;
+                require(ok, "sampling.spin_rates.up_to.max_rad_s", max_rad_s, "(0, 1] rad/s")?;
+                require((2..=100).contains(&nodes), "sampling.spin_rates.up_to.nodes", nodes as f64, "[2, 100]")
+            }
+            Self::ListRadS(list) => {
+                let bad = |index, problem| Err(TacoError::BadSpinRates { index, problem });
+                if list.is_empty() {
+                    return bad(0, "at least one is needed");
+                }
+                if let Some(index) = list.iter().position(|o| !(0.0..=1.0).contains(o)) {
+                    return bad(index, "must be in [0, 1] rad/s");
+                }
+                if let Some(index) = list.windows(2).position(|w| w[0] >= w[1]) {
+                    return bad(index + 1, "must be larger than the one before");
+                }
+                Ok(())
+            }
+        }
+    }
+
+    /// The spin rates, rad/s, given the thermal parameter at the spin rate of 1 rad/s.
+    pub(crate) fn rad_s(&self, unit_theta: f64) -> Vec<f64> {
+        match self {
+            &Self::UpTo { max_rad_s, nodes } => graded(max_rad_s, unit_theta * max_rad_s.sqrt(), nodes),
+            Self::ListRadS(list) => list.clone(),
+        }
     }
 }
 
@@ -74,6 +140,10 @@ impl Sampling {
     /// [`TacoError`] with the path of the value.
     pub fn validate(&self) -> Result<(), TacoError> {
         self.obliquities_deg()?;
+        self.spin_rates.validate()?;
+        let cells = self.rotation_cells;
+        let ok = cells.is_multiple_of(2) && (16..=1024).contains(&cells);
+        require(ok, "sampling.rotation_cells", cells as f64, "an even number in [16, 1024]")?;
         let (bins, nodes) = (self.azimuth_bins, self.declination_nodes);
         let ok = bins.is_multiple_of(8) && (16..=2880).contains(&bins);
         require(ok, "sampling.azimuth_bins", bins as f64, "a multiple of 8 in [16, 2880]")?;
@@ -111,5 +181,14 @@ mod tests {
             assert!(Sampling { facet_samples, ..Sampling::default() }.validate().is_err());
         }
         assert_eq!(Sampling { facet_samples: 9, ..Sampling::default() }.validate(), Ok(()));
+        assert!(Sampling { rotation_cells: 65, ..Sampling::default() }.validate().is_err());
+        let with = |spin_rates| Sampling { spin_rates, ..Sampling::default() };
+        for list in [vec![], vec![-1.0], vec![f64::NAN], vec![1e-4, 1e-4]] {
+            assert!(with(SpinRates::ListRadS(list)).validate().is_err());
+        }
+        for (max_rad_s, nodes) in [(0.0, 5), (f64::NAN, 5), (1e-3, 1), (1e-3, 1000)] {
+            assert!(with(SpinRates::UpTo { max_rad_s, nodes }).validate().is_err());
+        }
+        assert_eq!(with(SpinRates::ListRadS(vec![0.0, 3e-4])).validate(), Ok(()));
     }
 }

@@ -22,7 +22,7 @@ pub struct ShapeCache {
     mesh: Mesh,
     surface: Surface,
     sampling: Sampling,
-    pressure_pa: f64,
+    orbit: Orbit,
     facets: Vec<Facet>,
     /// `None` if the surface asks for nothing that depends on what a facet sees.
     shading: Option<Shading>,
@@ -46,7 +46,7 @@ impl ShapeCache {
             mesh,
             surface: surface.clone(),
             sampling: sampling.clone(),
-            pressure_pa: orbit.mean_pressure_pa(),
+            orbit: *orbit,
             facets,
             shading,
             memory: Memory::default(),
@@ -102,7 +102,7 @@ impl ShapeCache {
             facets: &pose.facets(&self.mesh, &self.facets),
             pose,
             shading: self.shading.as_ref(),
-            pressure_pa: self.pressure_pa,
+            orbit: &self.orbit,
             sampling: &self.sampling,
         };
         task.run(Some(&mut self.memory))

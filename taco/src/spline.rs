@@ -1,4 +1,4 @@
-//! Cubic splines of functions that are even or odd about both ends of their interval.
+//! Cubic splines of functions that are even or odd about each end of their interval.
 
 /// How the function goes on beyond both ends of its interval.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -7,24 +7,36 @@ pub(crate) enum Symmetry {
     Even,
     /// Mirrored with its sign changed: zero value (the caller's business) and zero curvature at the ends.
     Odd,
+    /// Even about the first end and odd about the last.
+    EvenOdd,
+}
+
+impl Symmetry {
+    /// Whether the function is even about the end at node `k` (the first or the last).
+    fn is_even_at(self, k: usize) -> bool {
+        self == Self::Even || (self == Self::EvenOdd && k == 0)
+    }
 }
 
 /// The equations of the second derivatives `m`: `lower m[k-1] + diagonal m[k] + upper m[k+1] = right-hand side`.
 fn row(x: &[f64], k: usize, symmetry: Symmetry) -> [f64; 3] {
     let n = x.len();
     let h = |k: usize| x[k + 1] - x[k];
-    match symmetry {
-        _ if k > 0 && k < n - 1 => [h(k - 1), 2.0 * (h(k - 1) + h(k)), h(k)],
-        Symmetry::Odd => [0.0, 1.0, 0.0],
-        Symmetry::Even if k == 0 => [0.0, 2.0 * h(0), h(0)],
-        Symmetry::Even => [h(n - 2), 2.0 * h(n - 2), 0.0],
+    if k > 0 && k < n - 1 {
+        [h(k - 1), 2.0 * (h(k - 1) + h(k)), h(k)]
+    } else if !symmetry.is_even_at(k) {
+        [0.0, 1.0, 0.0]
+    } else if k == 0 {
+        [0.0, 2.0 * h(0), h(0)]
+    } else {
+        [h(n - 2), 2.0 * h(n - 2), 0.0]
     }
 }
 
 /// Whether the difference quotient left (right) of node `k` enters its right-hand side, `6 (right - left)`.
 fn quotients(n: usize, k: usize, symmetry: Symmetry) -> [bool; 2] {
     let inner = k > 0 && k < n - 1;
-    let even = symmetry == Symmetry::Even;
+    let even = symmetry.is_even_at(k);
     [inner || (even && k > 0), inner || (even && k == 0)]
 }
 
@@ -113,9 +125,11 @@ mod tests {
 
     #[test]
     fn splines_converge_at_fourth_order() {
-        for (symmetry, f) in
-            [(Symmetry::Even, (|x: f64| (2.0 * x).cos()) as fn(f64) -> f64), (Symmetry::Odd, |x| (3.0 * x).sin())]
-        {
+        for (symmetry, f) in [
+            (Symmetry::Even, (|x: f64| (2.0 * x).cos()) as fn(f64) -> f64),
+            (Symmetry::Odd, |x| (3.0 * x).sin()),
+            (Symmetry::EvenOdd, |x| (2.5 * x).cos()),
+        ] {
             let order = (worst(20, symmetry, f) / worst(40, symmetry, f)).log2();
             assert!((3.6..4.6).contains(&order), "{order}");
         }
@@ -125,7 +139,7 @@ mod tests {
     fn weights_on_values_are_the_transpose() {
         let x = [0.0, 0.3, 0.4, 1.0, 1.7];
         let (y, w) = ([1.0, -2.0, 0.5, 3.0, 0.2], [0.7, 0.1, -0.4, 2.0, 1.1]);
-        for symmetry in [Symmetry::Even, Symmetry::Odd] {
+        for symmetry in [Symmetry::Even, Symmetry::Odd, Symmetry::EvenOdd] {
             let direct: f64 = curvatures(&x, &y, symmetry).iter().zip(w).map(|(m, w)| m * w).sum();
             let values = weights_on_values(&x, w.to_vec(), symmetry);
             let transposed: f64 = values.iter().zip(y).map(|(v, y)| v * y).sum();

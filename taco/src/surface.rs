@@ -2,11 +2,14 @@
 
 use crate::error::{TacoError, require};
 
-/// Optical and thermal properties, the same everywhere on the body; no heat is stored.
+/// Optical and thermal properties, the same everywhere on the body.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Surface {
     /// How sunlight is scattered (default: Hapke).
     pub reflectance: Reflectance,
+    /// Thermal inertia, J m^-2 K^-1 s^-1/2, in [0, 10 000] (default: 0, no heat is stored). Dust has 20 to 50, gravel 200,
+    /// solid rock 2000.
+    pub thermal_inertia: f64,
     /// Infrared emissivity, in (0, 1] (default: 0.9). Cancels out of the torque as long as no heat is stored: what is absorbed
     /// is emitted at once, at whatever temperature that takes.
     pub emissivity: f64,
@@ -21,6 +24,8 @@ pub struct Surface {
     /// Whether light that one part of the body sends to another is followed (default: not). If so, all light that meets the
     /// body, scattered or emitted, exerts no recoil until it leaves, whatever the flags for the sky.
     pub self_heating: SelfHeating,
+    /// Stones that conduct heat from one side to the other (default: none).
+    pub tangential_yorp: Option<Wall>,
 }
 
 /// How far light that one part of the body sends to another is followed: scattered sunlight and infrared alike.
@@ -35,15 +40,30 @@ pub enum SelfHeating {
     Multiple,
 }
 
+/// Stones as north-south walls on level ground, for tangential YORP. There are no standard values: each is the caller's.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wall {
+    /// Area of walls (one side) per area of ground, in [0, 1]: the amplitude of the effect.
+    pub coverage: f64,
+    /// Thickness from the east to the west face, m, in [1e-5, 100].
+    pub thickness_m: f64,
+    /// Thermal conductivity of the stone, W m^-1 K^-1, in [1e-4, 100].
+    pub conductivity_w_m_k: f64,
+    /// Thermal inertia of the stone, J m^-2 K^-1 s^-1/2, in [1, 10 000].
+    pub thermal_inertia: f64,
+}
+
 impl Default for Surface {
     fn default() -> Self {
         Self {
             reflectance: Reflectance::default(),
+            thermal_inertia: 0.0,
             emissivity: 0.9,
             shadows: true,
             sky_blockage: true,
             sky_blockage_reflected: false,
             self_heating: SelfHeating::None,
+            tangential_yorp: None,
         }
     }
 }
@@ -110,7 +130,11 @@ impl Surface {
     /// # Errors
     /// [`TacoError::OutOfRange`] with the path of the value.
     pub fn validate(&self) -> Result<(), TacoError> {
-        let emissivity = self.emissivity;
+        let (inertia, emissivity) = (self.thermal_inertia, self.emissivity);
+        require((0.0..=1e4).contains(&inertia), "surface.thermal_inertia", inertia, "[0, 10000] J m^-2 K^-1 s^-1/2")?;
+        if let Some(wall) = &self.tangential_yorp {
+            wall.validate()?;
+        }
         require(emissivity > 0.0 && emissivity <= 1.0, "surface.emissivity", emissivity, "(0, 1]")?;
         let together = self.sky_blockage || !self.sky_blockage_reflected;
         require(together, "surface.sky_blockage_reflected", 1.0, "off without sky_blockage")?;
@@ -121,6 +145,23 @@ impl Surface {
             }
             Reflectance::Hapke(hapke) => hapke.validate(),
         }
+    }
+}
+
+impl Wall {
+    /// Refuses impossible values.
+    ///
+    /// # Errors
+    /// [`TacoError::OutOfRange`] with the path of the value.
+    pub fn validate(&self) -> Result<(), TacoError> {
+        let Self { coverage, thickness_m: thickness, conductivity_w_m_k: conductivity, thermal_inertia } = *self;
+        require((0.0..=1.0).contains(&coverage), "surface.tangential_yorp.wall.coverage", coverage, "[0, 1]")?;
+        let ok = (1e-5..=100.0).contains(&thickness);
+        require(ok, "surface.tangential_yorp.wall.thickness_m", thickness, "[1e-5, 100] m")?;
+        let ok = (1e-4..=100.0).contains(&conductivity);
+        require(ok, "surface.tangential_yorp.wall.conductivity_w_m_k", conductivity, "[1e-4, 100] W m^-1 K^-1")?;
+        let (ok, path) = ((1.0..=1e4).contains(&thermal_inertia), "surface.tangential_yorp.wall.thermal_inertia");
+        require(ok, path, thermal_inertia, "[1, 10000] J m^-2 K^-1 s^-1/2")
     }
 }
 
@@ -146,7 +187,16 @@ mod tests {
     fn impossible_values_are_refused_with_their_path() {
         assert_eq!(Surface::default().validate(), Ok(()));
         let hapke = |h: Hapke| Surface { reflectance: Reflectance::Hapke(h), ..Surface::default() };
+        let stones = Wall { coverage: 0.1, thickness_m: 0.1, conductivity_w_m_k: 1.0, thermal_inertia: 2000.0 };
+        let wall = |wall: Wall| Surface { tangential_yorp: Some(wall), ..Surface::default() };
+        assert_eq!(wall(stones).validate(), Ok(()));
         let cases = [
+            (Surface { thermal_inertia: -1.0, ..Surface::default() }, "surface.thermal_inertia"),
+            (Surface { thermal_inertia: f64::NAN, ..Surface::default() }, "surface.thermal_inertia"),
+            (wall(Wall { coverage: 1.1, ..stones }), "surface.tangential_yorp.wall.coverage"),
+            (wall(Wall { thickness_m: 0.0, ..stones }), "surface.tangential_yorp.wall.thickness_m"),
+            (wall(Wall { conductivity_w_m_k: f64::NAN, ..stones }), "surface.tangential_yorp.wall.conductivity_w_m_k"),
+            (wall(Wall { thermal_inertia: 0.0, ..stones }), "surface.tangential_yorp.wall.thermal_inertia"),
             (Surface { emissivity: 0.0, ..Surface::default() }, "surface.emissivity"),
             (
                 Surface { sky_blockage: false, sky_blockage_reflected: true, ..Surface::default() },

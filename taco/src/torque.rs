@@ -9,12 +9,13 @@ use crate::declination::Declinations;
 use crate::error::TacoError;
 use crate::exchange::Scattering;
 use crate::facets::{Facet, facets};
+use crate::heat::Heat;
 use crate::interpolant::{Interpolation, TorqueInterpolant};
 use crate::orbit::Orbit;
 use crate::pose::Pose;
 use crate::recoil::{LambertRecoil, RecoilKernel, RecoilTable};
 use crate::sampling::Sampling;
-use crate::season::{Curve, Season};
+use crate::season::{Curve, Season, TransverseSeason};
 use crate::surface::{Reflectance, Surface};
 use std::f64::consts::PI;
 use tiling::Mesh;
@@ -24,12 +25,17 @@ use tiling::Mesh;
 pub struct TorqueTable {
     /// Obliquities, rad, ascending.
     pub obliquity: Vec<f64>,
-    /// Spin rates, rad/s, ascending; a single one means that the torques do not depend on it (no heat is stored).
+    /// Spin rates, rad/s, ascending; a single one means that the torques do not depend on it (no heat is stored, or that is
+    /// what was asked for).
     pub omega: Vec<f64>,
     /// Torque along the spin axis, `T_omega`, N m, `[omega][obliquity]`.
     pub spin_torque_n_m: Vec<Vec<f64>>,
     /// Torque that raises the obliquity, `T_epsilon`, N m, `[omega][obliquity]`.
     pub obliquity_torque_n_m: Vec<Vec<f64>>,
+    /// Yarkovsky force: along the orbital motion, averaged over rotation and orbit, N, `[omega][obliquity]`; positive moves the
+    /// orbit outwards. All recoil counts, that of reflected light included. Empty unless the ground stores heat.
+    /// [`Orbit::semimajor_axis_drift_m_s`] turns it into a drift.
+    pub transverse_force_n: Vec<Vec<f64>>,
     /// How far the torques may be off.
     pub error: TorqueError,
     /// Facets above whose plane another part of the body rises; 0 for a convex body or where horizons were not asked for.
@@ -51,9 +57,11 @@ pub struct TorqueError {
 #[derive(Debug, Clone, PartialEq)]
 pub struct ErrorPart {
     /// What is sampled: `declination_nodes` (against every other node), `azimuth_bins` (against every other bin, view
-    /// factors included; absent from convex bodies), `facet_sampling` (each of the facet's samples against three points; likewise) and
-    /// `obliquity_interpolation` (cubic, half-way between the nodes; absent unless the table runs from 0 to 180 deg).
-    /// The second and third are estimated from a sample of the shaded facets.
+    /// factors included; absent from convex bodies), `facet_sampling` (each of the facet's samples against three points;
+    /// likewise), `obliquity_interpolation` (cubic, half-way between the nodes; absent unless the table runs from 0 to
+    /// 180 deg); and if heat is stored `rotation_cells` (against half as many) and `spin_rate_interpolation` (an eighth of
+    /// the error at every other spin rate when interpolated from the others; absent from tables of fewer than five).
+    /// The second, third and fifth are estimated from a sample of the facets.
     pub name: String,
     /// Error of the spin torque, N m.
     pub spin_torque_n_m: f64,
@@ -86,20 +94,19 @@ pub fn torque_table(
     sampling.validate()?;
     let facets = facets(mesh)?;
     let shading = Shading::new(mesh, &facets, surface, sampling);
-    let pressure_pa = orbit.mean_pressure_pa();
     let (facets, pose, shading) = (&facets, &Pose::default(), shading.as_ref());
-    Task { mesh, surface, facets, pose, shading, pressure_pa, sampling }.run(None)
+    Task { mesh, surface, orbit, facets, pose, shading, sampling }.run(None)
 }
 
 /// The arguments of [`torque_table`] once validated, waiting for the reflectance to choose the kernel.
 pub(crate) struct Task<'a> {
     pub mesh: &'a Mesh,
     pub surface: &'a Surface,
+    pub orbit: &'a Orbit,
     /// Facets in the frame of the body.
     pub facets: &'a [Facet],
     pub pose: &'a Pose,
     pub shading: Option<&'a Shading>,
-    pub pressure_pa: f64,
     pub sampling: &'a Sampling,
 }
 
@@ -122,7 +129,8 @@ impl Task<'_> {
     }
 
     fn table(&self, kernel: &impl RecoilKernel, mut memory: Option<&mut Memory>) -> Result<TorqueTable, TacoError> {
-        let Self { mesh, surface, facets, pose, shading, .. } = *self;
+        let Self { mesh, surface, orbit, facets, pose, shading, .. } = *self;
+        let pressure_pa = orbit.mean_pressure_pa();
         let nodes = self.sampling.declination_nodes;
         // Errors that need passes of their own are estimated at every fourth declination where that is possible.
         let stride = if nodes % 4 == 1 { 4 } else { 2 };
@@ -135,31 +143,58 @@ impl Task<'_> {
 
         let body = Body { mesh, facets, pose, surface, kernel, shading };
         let response = body.response(&fine, memory.as_deref_mut());
-        let curve = season.curve(&response, 1).scaled(self.pressure_pa);
-        self.check_finite(&curve, &obliquities_deg)?;
+        let heat = Heat::new(surface, orbit, self.sampling);
+        let heated = heat.as_ref().map(|heat| heat.add(&body, &fine, &response));
+        let responses = match &heated {
+            None => std::slice::from_ref(&response),
+            Some(heated) => &heated.responses,
+        };
+        let curve_of =
+            |season: &Season, response: &[f64], stride: usize| season.curve(response, stride).scaled(pressure_pa);
+        let curves: Vec<Curve> = responses.iter().map(|r| curve_of(&season, r, 1)).collect();
+        for curve in &curves {
+            self.check_finite(curve, &obliquities_deg)?;
+        }
 
         let shaded_facets = shading.map_or(0, |s| s.map.shaded_facets());
-        let coarser = half_season.curve(&response, 2).scaled(self.pressure_pa);
-        let mut parts = vec![part("declination_nodes", curve.distance(&coarser))];
+        let coarser = responses.iter().map(|r| curve_of(&half_season, r, 2));
+        let off = curves.iter().zip(coarser).map(|(curve, coarser)| curve.distance(&coarser));
+        let mut parts = vec![part("declination_nodes", largest(off))];
+        let zero = Curve { spin: vec![0.0; obliquities_deg.len()], obliquity: vec![0.0; obliquities_deg.len()] };
         if let Some(errors) = body.sampling_errors(&coarse, &coarse_season, memory) {
-            let zero = Curve { spin: vec![0.0; curve.spin.len()], obliquity: vec![0.0; curve.spin.len()] };
             for (name, error) in [("azimuth_bins", errors.azimuth_bins), ("facet_sampling", errors.facet_samples)] {
-                parts.push(part(name, error.scaled(self.pressure_pa).distance(&zero)));
+                parts.push(part(name, error.scaled(pressure_pa).distance(&zero)));
             }
         }
+        let mut transverse_force_n = Vec::new();
+        if let (Some(heat), Some(heated)) = (&heat, &heated) {
+            let halved = heat.coarser_cells(&body, &coarse);
+            parts.push(part("rotation_cells", curve_of(&coarse_season, &halved, 1).distance(&zero)));
+            let season = TransverseSeason::new(nodes, &obliquities_deg);
+            let force = |response: &Vec<f64>| season.curve(response).iter().map(|f| f * pressure_pa).collect();
+            transverse_force_n = heated.transverse.iter().map(force).collect();
+        }
+        let (spin_torque_n_m, obliquity_torque_n_m) = curves.into_iter().map(|c| (c.spin, c.obliquity)).unzip();
         let mut table = TorqueTable {
             obliquity: obliquities_deg.iter().map(|o| if *o == 180.0 { PI } else { o.to_radians() }).collect(),
-            omega: vec![0.0],
-            spin_torque_n_m: vec![curve.spin],
-            obliquity_torque_n_m: vec![curve.obliquity],
+            omega: heat.map_or(vec![0.0], |heat| heat.spin_rates),
+            spin_torque_n_m,
+            obliquity_torque_n_m,
+            transverse_force_n,
             error: TorqueError::default(),
             shaded_facets,
         };
+        if let Some(off) = every_other_spin_rate(&table) {
+            parts.push(part("spin_rate_interpolation", off));
+        }
         if let Ok(interpolant) = table.interpolant(Interpolation::Cubic) {
             let between: Vec<f64> = obliquities_deg.windows(2).map(|w| 0.5 * (w[0] + w[1])).collect();
-            let exact = Season::new(nodes, &between).curve(&response, 1).scaled(self.pressure_pa);
-            let (spin, obliquity) = between.iter().map(|o| interpolant.at(o.to_radians(), 0.0)).unzip();
-            parts.push(part("obliquity_interpolation", exact.distance(&Curve { spin, obliquity })));
+            let season = Season::new(nodes, &between);
+            let off = responses.iter().zip(&table.omega).map(|(response, omega)| {
+                let (spin, obliquity) = between.iter().map(|o| interpolant.at(o.to_radians(), *omega)).unzip();
+                curve_of(&season, response, 1).distance(&Curve { spin, obliquity })
+            });
+            parts.push(part("obliquity_interpolation", largest(off)));
         }
         table.error = TorqueError {
             spin_torque_n_m: parts.iter().map(|p| p.spin_torque_n_m).sum(),
@@ -176,6 +211,36 @@ impl Task<'_> {
             Some(k) => Err(TacoError::NotFinite { obliquity_deg: obliquities_deg[k] }),
         }
     }
+}
+
+/// The larger of each of two errors.
+fn largest(off: impl Iterator<Item = [f64; 2]>) -> [f64; 2] {
+    off.fold([0.0; 2], |worst: [f64; 2], off| [worst[0].max(off[0]), worst[1].max(off[1])])
+}
+
+/// How far a table of every other spin rate is off at those left out.
+fn every_other_spin_rate(table: &TorqueTable) -> Option<[f64; 2]> {
+    if table.omega.len() < 5 {
+        return None;
+    }
+    let every_other = |rows: &[Vec<f64>]| rows.iter().step_by(2).cloned().collect();
+    let sparse = TorqueTable {
+        obliquity: table.obliquity.clone(),
+        omega: table.omega.iter().step_by(2).copied().collect(),
+        spin_torque_n_m: every_other(&table.spin_torque_n_m),
+        obliquity_torque_n_m: every_other(&table.obliquity_torque_n_m),
+        transverse_force_n: Vec::new(),
+        error: TorqueError::default(),
+        shaded_facets: 0,
+    };
+    let interpolant = sparse.interpolant(Interpolation::Linear).ok()?;
+    // The cubics are of third order or better: half the distance, an eighth of the error.
+    let left_out = (1..table.omega.len() - usize::from(table.omega.len().is_multiple_of(2))).step_by(2);
+    Some(largest(left_out.map(|w| {
+        let (spin, obliquity) = table.obliquity.iter().map(|o| interpolant.at(*o, table.omega[w])).unzip();
+        let row = Curve { spin: table.spin_torque_n_m[w].clone(), obliquity: table.obliquity_torque_n_m[w].clone() };
+        row.distance(&Curve { spin, obliquity }).map(|off| 0.125 * off)
+    })))
 }
 
 fn part(name: &str, [spin_torque_n_m, obliquity_torque_n_m]: [f64; 2]) -> ErrorPart {

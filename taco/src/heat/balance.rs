@@ -76,7 +76,8 @@ impl Balance {
                 low = low.min(*slope);
                 high = high.max(*slope);
             }
-            let c = (low * high).sqrt();
+            // A cold night is kept by conduction, so that nothing below theta counts.
+            let c = (low.max(theta) * high).sqrt().min(high);
             conductor.prepare(c, theta);
             self.linear(conductor, c, norm, (0.3 * tolerance / norm).max(INNER * norm.min(1.0)).min(INNER));
             let before = norm;
