@@ -45,6 +45,49 @@ pub enum PkdError {
         /// Time since the start of the call, s.
         time_s: f64,
     },
+    /// Two spheres at the same place: no direction to push them apart in.
+    #[error("spheres {first} and {second} have the same centre")]
+    Coincident {
+        /// One of them.
+        first: usize,
+        /// The other.
+        second: usize,
+    },
+    /// A time step that does not resolve the contacts of soft spheres.
+    #[error("a step of {step_s} s is too long for the stiffness of the contacts: at most {limit_s} s")]
+    StepTooLarge {
+        /// The step asked for, s.
+        step_s: f64,
+        /// The longest that would be accepted, s.
+        limit_s: f64,
+    },
+    /// Soft spheres pressed into each other deeper than allowed.
+    #[error(
+        "spheres {first} and {second} overlap by {fraction:.4} of the smaller radius at {time_s} s, more than {limit}: \
+         the contacts are too soft; raise the expected speed or the normal stiffness, or allow deeper overlaps"
+    )]
+    TooSoft {
+        /// One of them.
+        first: usize,
+        /// The other.
+        second: usize,
+        /// Depth over the smaller radius.
+        fraction: f64,
+        /// Deepest allowed.
+        limit: f64,
+        /// Time since the start of the call, s.
+        time_s: f64,
+    },
+    /// Contacts that do not belong to the spheres they are used with.
+    #[error("contact of spheres {first} and {second}: {reason}")]
+    BadContact {
+        /// One of them.
+        first: usize,
+        /// The other.
+        second: usize,
+        /// What is wrong, in words.
+        reason: &'static str,
+    },
     /// An integration that left the range of `f64`.
     #[error("sphere {sphere}: {quantity} is no longer finite at {time_s} s")]
     BecameNonFinite {

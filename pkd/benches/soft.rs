@@ -1,0 +1,99 @@
+//! Soft spheres: time per contact and step of each model, and of one rotation of a settled body:
+//! `cargo bench -p yorp-pkd --bench soft`.
+//!
+//! The counter is contacts times steps, so 25 Mitem/s are 40 ns per contact and step. Everything a step does is in it:
+//! forces, motion, the field in the body frame and the watch over the lists of neighbours; for `EACH` steps a call also
+//! pays once for laying out the spheres, listing the neighbours and evaluating gravity, as any call does.
+
+use divan::{Bencher, counter::ItemsCount};
+use nalgebra::Vector3;
+use pkd::Spheres;
+use pkd::frame::set_rigid_rotation;
+use pkd::packing::{EllipsoidPacking, Grain, PACKING_FRACTION, Seed, ellipsoid_packing};
+use pkd::soft_sphere::{ContactHistory, Friction, Gravity, Sliding, SoftSphere, SoftSphereParameters};
+use std::sync::OnceLock;
+
+/// Sidereal period of the rotating body, s.
+const PERIOD: f64 = 18_000.0;
+/// Sizes of body.
+const SIZES: [usize; 3] = [1_000, 10_000, 40_000];
+
+fn main() {
+    divan::main();
+}
+
+/// Random spheres that have fallen together under their own gravity, smooth and strongly damped, until they have about six
+/// contacts each.
+fn dense(count: usize) -> &'static Spheres {
+    static BODIES: [OnceLock<Spheres>; 3] = [const { OnceLock::new() }; 3];
+    let cell = SIZES.iter().position(|size| *size == count).expect("one of the sizes");
+    BODIES[cell].get_or_init(|| {
+        let mut body = ellipsoid_packing(&EllipsoidPacking {
+            count,
+            grain: Grain { radius: 50.2, density: 2960.0 },
+            b_over_a: 0.9,
+            c_over_a: 0.9,
+            packing_fraction: PACKING_FRACTION,
+            seed: Seed::default(),
+        })
+        .expect("a valid packing");
+        let mut smooth = SoftSphere::new(SoftSphereParameters {
+            restitution: 0.2,
+            max_overlap: 0.1,
+            expected_speed_m_s: Some(0.1),
+            gravity: Gravity::BodyFrame { tolerance: 0.1 },
+            skin: 0.05,
+            ..SoftSphereParameters::frictionless()
+        });
+        for k in 0..10 {
+            let report = smooth.evolve(&mut body, 400.0).expect("it falls together");
+            eprintln!("{count} {k} {report:?}");
+            if report.contacts_per_sphere > 5.5 {
+                break;
+            }
+        }
+        set_rigid_rotation(&mut body, Vector3::z() * (std::f64::consts::TAU / PERIOD)).expect("a valid body");
+        body
+    })
+}
+
+/// Times `steps` steps of a model.
+fn contacts(bencher: Bencher, count: usize, friction: Friction, threads: usize) {
+    let body = dense(count);
+    let parameters = SoftSphereParameters { friction, max_overlap: 0.1, ..SoftSphereParameters::zhang_2017() };
+    let mut soft = SoftSphere::new(parameters);
+    let stiffness = soft.stiffness(body).expect("a valid body");
+    let duration = stiffness.step_s * (2_000_000 / count).max(100) as f64;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+    let mut stretch = |mut body: Spheres| {
+        soft.set_history(ContactHistory::default());
+        let report = pool.install(|| soft.evolve(&mut body, duration)).expect("a stretch");
+        report.contacts * report.steps
+    };
+    let work = stretch(body.clone());
+    bencher.counter(ItemsCount::new(work)).with_inputs(|| body.clone()).bench_local_values(stretch);
+}
+
+fn full() -> Friction {
+    SoftSphereParameters::zhang_2017().friction
+}
+
+#[divan::bench(args = SIZES, sample_count = 5, sample_size = 1)]
+fn frictionless(bencher: Bencher, count: usize) {
+    contacts(bencher, count, Friction::None, 1);
+}
+
+#[divan::bench(args = SIZES, sample_count = 5, sample_size = 1)]
+fn tangential(bencher: Bencher, count: usize) {
+    contacts(bencher, count, Friction::Sliding(Sliding::default()), 1);
+}
+
+#[divan::bench(args = SIZES, sample_count = 5, sample_size = 1)]
+fn full_model(bencher: Bencher, count: usize) {
+    contacts(bencher, count, full(), 1);
+}
+
+#[divan::bench(args = [10_000, 40_000], sample_count = 5, sample_size = 1)]
+fn full_model_on_two_threads(bencher: Bencher, count: usize) {
+    contacts(bencher, count, full(), 2);
+}

@@ -1,0 +1,133 @@
+//! The compiled versions of the kernels: one for each model and processor, chosen once for a run.
+
+use super::coefficients::Coefficients;
+use super::kernel::contacts;
+use super::lanes::{Plain, Quad};
+use super::motion::{FROZEN, Frames, GIVEN, Moved, NONE, advance};
+use super::pairs::Chunk;
+use super::parameters::SoftSphereParameters;
+use super::record::{DIRECTIONAL, FRICTIONLESS, FULL, SLIDING, model};
+
+/// [`contacts`] for one model.
+///
+/// # Safety
+/// As there, but for the processor, which has been looked at.
+pub(super) type Contacts = unsafe fn(&Coefficients, f64, &[Quad], &mut Chunk);
+
+/// [`advance`] for one model.
+///
+/// # Safety
+/// As there, but for the processor, which has been looked at.
+pub(super) type Advance = unsafe fn(f64, &Frames, &mut [Quad], &mut [Quad], &[Quad]) -> Moved;
+
+/// The kernels of a run.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Kernels {
+    pub contacts: Contacts,
+    pub advance: Advance,
+}
+
+/// Where kernels can run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Processor {
+    Any,
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+}
+
+impl Processor {
+    pub fn present() -> Self {
+        #[cfg(target_arch = "x86_64")]
+        if std::arch::is_x86_feature_detected!("avx2") {
+            return Self::Avx2;
+        }
+        Self::Any
+    }
+}
+
+impl Kernels {
+    /// The kernels for these parameters and kind of field.
+    ///
+    /// # Panics
+    /// If the processor is not the present one.
+    pub fn new(processor: Processor, parameters: &SoftSphereParameters, field: u8) -> Self {
+        assert!(processor == Processor::Any || processor == Processor::present(), "kernels that can run here");
+        let model = model(&parameters.friction);
+        let contacts = choose_contacts(processor, model, parameters.cohesion_pa > 0.0, parameters.ledger);
+        Self { contacts, advance: choose_advance(processor, model, field) }
+    }
+}
+
+fn choose_contacts(processor: Processor, model: u8, cohesive: bool, ledger: bool) -> Contacts {
+    match model {
+        FRICTIONLESS => contacts_of::<FRICTIONLESS>(processor, cohesive, ledger),
+        SLIDING => contacts_of::<SLIDING>(processor, cohesive, ledger),
+        FULL => contacts_of::<FULL>(processor, cohesive, ledger),
+        _ => contacts_of::<DIRECTIONAL>(processor, cohesive, ledger),
+    }
+}
+
+fn contacts_of<const MODEL: u8>(processor: Processor, cohesive: bool, ledger: bool) -> Contacts {
+    match (cohesive, ledger) {
+        (false, false) => contacts_on::<MODEL, false, false>(processor),
+        (false, true) => contacts_on::<MODEL, false, true>(processor),
+        (true, false) => contacts_on::<MODEL, true, false>(processor),
+        (true, true) => contacts_on::<MODEL, true, true>(processor),
+    }
+}
+
+fn contacts_on<const MODEL: u8, const COHESIVE: bool, const LEDGER: bool>(processor: Processor) -> Contacts {
+    match processor {
+        Processor::Any => contacts::<Plain, MODEL, COHESIVE, LEDGER>,
+        #[cfg(target_arch = "x86_64")]
+        Processor::Avx2 => x86::contacts::<MODEL, COHESIVE, LEDGER>,
+    }
+}
+
+fn choose_advance(processor: Processor, model: u8, field: u8) -> Advance {
+    match (model == FRICTIONLESS, field) {
+        (true, NONE) => advance_on::<FRICTIONLESS, NONE>(processor),
+        (true, GIVEN) => advance_on::<FRICTIONLESS, GIVEN>(processor),
+        (true, _) => advance_on::<FRICTIONLESS, FROZEN>(processor),
+        // To move spheres that spin is the same whatever makes them.
+        (false, NONE) => advance_on::<SLIDING, NONE>(processor),
+        (false, GIVEN) => advance_on::<SLIDING, GIVEN>(processor),
+        (false, _) => advance_on::<SLIDING, FROZEN>(processor),
+    }
+}
+
+fn advance_on<const MODEL: u8, const FIELD: u8>(processor: Processor) -> Advance {
+    match processor {
+        Processor::Any => advance::<Plain, MODEL, FIELD>,
+        #[cfg(target_arch = "x86_64")]
+        Processor::Avx2 => x86::advance::<MODEL, FIELD>,
+    }
+}
+
+/// The same, compiled for AVX2.
+#[cfg(target_arch = "x86_64")]
+mod x86 {
+    use super::super::lanes::Avx2;
+    use super::{Chunk, Coefficients, Frames, Moved, Quad};
+
+    #[target_feature(enable = "avx2")]
+    pub(super) unsafe fn contacts<const MODEL: u8, const COHESIVE: bool, const LEDGER: bool>(
+        law: &Coefficients,
+        step: f64,
+        records: &[Quad],
+        chunk: &mut Chunk,
+    ) {
+        unsafe { super::contacts::<Avx2, MODEL, COHESIVE, LEDGER>(law, step, records, chunk) }
+    }
+
+    #[target_feature(enable = "avx2")]
+    pub(super) unsafe fn advance<const MODEL: u8, const FIELD: u8>(
+        step: f64,
+        frames: &Frames,
+        records: &mut [Quad],
+        guides: &mut [Quad],
+        sums: &[Quad],
+    ) -> Moved {
+        unsafe { super::advance::<Avx2, MODEL, FIELD>(step, frames, records, guides, sums) }
+    }
+}

@@ -1,0 +1,558 @@
+//! One run of soft spheres from state to state: records, lists and field are made, steps are taken, and all is taken down.
+//!
+//! Everything here is made anew from spheres and contact history at the start of a call, in a canonical way, and
+//! nothing of it is left at the end: so a run that goes on from stored spheres and history has the same bytes.
+
+use nalgebra::{Matrix3, Vector3};
+use rayon::prelude::*;
+
+use super::body_frame::{BodyFrame, angular_acceleration, columns};
+use super::coefficients::Coefficients;
+use super::dispatch::{Kernels, Processor};
+use super::history::{Contact, ContactHistory};
+use super::kernel::Heat;
+use super::lanes::{LANES, Quad};
+use super::motion::{ATTRACTED, FIELD, FROZEN, Frames, GIVEN, LISTED, Moved, NONE, NOW, collect, guide_quads};
+use super::pairs::{CHUNK, Pairs};
+use super::parameters::{Gravity, SoftSphereParameters};
+use super::record::{self, FRICTIONLESS, PLACE, PREDICTED, PREDICTED_SPIN, SPIN, VELOCITY};
+use super::report::Energy;
+use super::search::{near_pairs, order_in_space};
+use crate::gravity::{Accelerations, DirectGravity};
+use crate::rigid_fit::{FitRank, rigid_fit};
+use crate::{PkdError, Spheres};
+
+/// Where spheres that do not exist are: too far for any contact, and their distances squared are still finite.
+const NOWHERE: f64 = 1e100;
+
+/// Fewer spheres than this are not worth handing to several threads.
+const PARALLEL_FROM: usize = 4000;
+
+/// Counts of work.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Work {
+    pub gravity_evaluations: u64,
+    pub frozen_field_error: f64,
+    pub list_rebuilds: u64,
+}
+
+/// The run.
+pub(super) struct Engine<'a> {
+    gravity: &'a mut DirectGravity,
+    parameters: &'a SoftSphereParameters,
+    kernels: Kernels,
+    law: Coefficients,
+    model: u8,
+    field: u8,
+    /// Spheres.
+    n: usize,
+    /// Row of the caller's spheres for each of ours.
+    rows: Vec<u32>,
+    records: Vec<Quad>,
+    guides: Vec<Quad>,
+    pairs: Pairs,
+    near: Vec<(u32, u32)>,
+    frame: BodyFrame,
+    correction: [f64; 3],
+    moved: Vec<Moved>,
+    accelerations: Accelerations,
+    /// Time since the start of the call, s.
+    time: f64,
+    pub work: Work,
+}
+
+impl<'a> Engine<'a> {
+    /// Lays everything out and finds the forces of the start. The spheres must be valid and the history fit them.
+    ///
+    /// # Errors
+    /// [`PkdError::Coincident`], [`PkdError::TooSoft`] and [`PkdError::BecameNonFinite`].
+    pub fn new(
+        processor: Processor,
+        gravity: &'a mut DirectGravity,
+        parameters: &'a SoftSphereParameters,
+        law: Coefficients,
+        spheres: &Spheres,
+        history: &ContactHistory,
+    ) -> Result<Self, PkdError> {
+        let model = record::model(&parameters.friction);
+        let field = match parameters.gravity {
+            Gravity::Off => NONE,
+            Gravity::EveryStep => GIVEN,
+            Gravity::BodyFrame { .. } => FROZEN,
+        };
+        let n = spheres.len();
+        let rows = order_in_space(spheres.coordinates());
+        let records = records(model, spheres, &rows);
+        let frame = BodyFrame::of(model, &records, n, Matrix3::identity());
+        let mut engine = Self {
+            gravity,
+            parameters,
+            kernels: Kernels::new(processor, parameters, field),
+            law,
+            model,
+            field,
+            n,
+            rows,
+            records,
+            guides: vec![Quad::default(); n.div_ceil(LANES) * guide_quads(field)],
+            pairs: Pairs::new(model, parameters.cohesion_pa > 0.0),
+            near: Vec::new(),
+            frame,
+            correction: [0.0; 3],
+            moved: vec![Moved::default(); n.div_ceil(CHUNK)],
+            accelerations: Accelerations::default(),
+            time: 0.0,
+            work: Work::default(),
+        };
+        engine.list(&engine.internal(history));
+        engine.refuse_coincident()?;
+        engine.attract()?;
+        engine.push(0.0)?;
+        Ok(engine)
+    }
+
+    /// Takes `steps` steps of `step` (s).
+    pub fn run(&mut self, steps: u64, step: f64) -> Result<(), PkdError> {
+        // Velocities live in the middle of steps.
+        self.kick(-0.5 * step);
+        for taken in 1..=steps {
+            let frames = self.frames(step);
+            self.time = taken as f64 * step;
+            let moved = self.advance(step, &frames);
+            self.correction = angular_acceleration(moved.torque, moved.moments);
+            if moved.strayed || moved.stale {
+                self.renew()?;
+            }
+            if self.field == GIVEN {
+                self.attract()?;
+            }
+            self.push(step)?;
+        }
+        self.kick(0.5 * step);
+        Ok(())
+    }
+
+    /// Writes places, velocities and spins back, and gives the history of the contacts.
+    pub fn finish(&self, spheres: &mut Spheres) -> ContactHistory {
+        for (s, &row) in self.records.chunks_exact(record::quads(self.model)).zip(&self.rows) {
+            let row = row as usize;
+            let spin = if self.model == FRICTIONLESS { spheres.spin(row) } else { s[SPIN].xyz().into() };
+            spheres.set(row, s[PLACE].xyz().into(), s[VELOCITY].xyz().into(), spin);
+        }
+        let external = |c: Contact| {
+            let named = Contact { first: self.rows[c.first as usize], second: self.rows[c.second as usize], ..c };
+            if named.first < named.second { named } else { named.reversed() }
+        };
+        ContactHistory::sorted(self.pairs.memories().into_iter().map(external).collect())
+    }
+
+    /// Deepest overlap since the start, over the smaller radius.
+    pub fn deepest(&self) -> f64 {
+        self.pairs.chunks.iter().map(|c| c.deepest).fold(0.0, f64::max)
+    }
+
+    /// Heat since the start.
+    pub fn heat(&self) -> Heat {
+        self.pairs.chunks.iter().fold(Heat::default(), |sum, c| sum.plus(&c.heat))
+    }
+
+    /// Bytes in use.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.records)
+            + size_of_val(&*self.guides)
+            + size_of_val(&*self.near)
+            + size_of_val(&*self.rows)
+            + self.pairs.bytes()
+            + 4 * size_of_val(&*self.accelerations.x)
+    }
+
+    /// Number of contacts and the energy of their springs.
+    pub fn springs(&self) -> (u64, Energy) {
+        let (law, quads) = (&self.law, record::quads(self.model));
+        let (mut count, mut energy) = (0, Energy::default());
+        self.pairs.visit(|contact| {
+            let [i, j] = [contact.first, contact.second].map(|s| &self.records[s as usize * quads + PLACE]);
+            let overlap = i.0[3] + j.0[3] - (j.xyz() - i.xyz()).norm();
+            if overlap > 0.0 {
+                count += 1;
+                let q = law.shape * i.0[3] * (j.0[3] / (i.0[3] + j.0[3]));
+                energy.normal_j += 0.5 * law.k_n * overlap * overlap - law.cohesion * q * q * overlap;
+                energy.sliding_j += 0.5 * law.k_t * Vector3::from(contact.sliding_m).norm_squared();
+                energy.rolling_j += 0.5 * law.k_r * q * q * Vector3::from(contact.rolling_rad).norm_squared();
+                energy.twisting_j += 0.5 * law.k_w * q * q * contact.twisting_rad * contact.twisting_rad;
+            }
+        });
+        (count, energy)
+    }
+
+    /// The history in our rows.
+    fn internal(&self, history: &ContactHistory) -> Vec<Contact> {
+        let mut ours = vec![0; self.n];
+        self.rows.iter().zip(0..).for_each(|(&row, k)| ours[row as usize] = k);
+        let internal = |c: &Contact| {
+            let named = Contact { first: ours[c.first as usize], second: ours[c.second as usize], ..*c };
+            if named.first < named.second { named } else { named.reversed() }
+        };
+        let mut contacts: Vec<Contact> = history.contacts().iter().map(internal).collect();
+        contacts.sort_unstable_by_key(|c| (c.first, c.second));
+        contacts
+    }
+
+    fn coordinates(&self) -> [Vec<f64>; 3] {
+        let quads = record::quads(self.model);
+        [0, 1, 2].map(|k| self.records.chunks_exact(quads).take(self.n).map(|s| s[PLACE].0[k]).collect())
+    }
+
+    /// Lists the neighbours anew, and notes where all spheres are.
+    fn list(&mut self, remembered: &[Contact]) {
+        self.work.list_rebuilds += 1;
+        let quads = record::quads(self.model);
+        let [x, y, z] = self.coordinates();
+        let skin = 1.0 + self.parameters.skin;
+        let reach: Vec<f64> = self.records.chunks_exact(quads).take(self.n).map(|s| s[PLACE].0[3] * skin).collect();
+        near_pairs([&x, &y, &z], &reach, &mut self.near);
+        self.pairs.fill(self.n, &self.near, remembered, &self.records, &self.law);
+        self.near = Vec::new();
+        self.note(LISTED, self.parameters.skin);
+    }
+
+    /// Notes the places in the body frame, and how far a sphere may stray from them: a fraction of its radius.
+    fn note(&mut self, reference: usize, fraction: f64) {
+        let (turn, centre) = (self.frame.turn(), self.frame.centre());
+        let (quads, guide) = (record::quads(self.model), guide_quads(self.field));
+        for (four, guide) in self.guides.chunks_exact_mut(guide).enumerate() {
+            for lane in 0..LANES {
+                let s = &self.records[(four * LANES + lane) * quads..];
+                let y = turn.tr_mul(&(s[PLACE].xyz() - centre));
+                for k in 0..3 {
+                    guide[reference + k].0[lane] = y[k];
+                }
+                let exists = s[VELOCITY].0[3] > 0.0 || s[PLACE].0[3] > 0.0;
+                guide[reference + 3].0[lane] = if exists { (fraction * s[PLACE].0[3]).powi(2) } else { f64::INFINITY };
+            }
+        }
+    }
+
+    /// Whether a sphere has left where it may be. Notes the present places in the body frame where they are asked for.
+    fn look(&mut self) -> (bool, bool) {
+        let (turn, centre) = (self.frame.turn(), self.frame.centre());
+        let (quads, guide) = (record::quads(self.model), guide_quads(self.field));
+        let (mut strayed, mut stale) = (false, false);
+        for (four, guide) in self.guides.chunks_exact_mut(guide).enumerate() {
+            for lane in 0..LANES {
+                let y = turn.tr_mul(&(self.records[(four * LANES + lane) * quads + PLACE].xyz() - centre));
+                let away = |guide: &[Quad], reference: usize| {
+                    let from = Vector3::from_fn(|k, _| guide[reference + k].0[lane]);
+                    let limit = guide[reference + 3].0[lane];
+                    // Not a number counts as away.
+                    (y - from).norm_squared().partial_cmp(&limit) != Some(std::cmp::Ordering::Less)
+                };
+                strayed |= away(guide, LISTED);
+                if self.field == FROZEN {
+                    stale |= away(guide, ATTRACTED);
+                    for k in 0..3 {
+                        guide[NOW + k].0[lane] = y[k];
+                    }
+                }
+            }
+        }
+        (strayed, stale)
+    }
+
+    /// Something seems to have moved: fits the frame, and renews what is out of date nevertheless.
+    fn renew(&mut self) -> Result<(), PkdError> {
+        self.finite()?;
+        let from: [Vec<f64>; 3] = [0, 1, 2].map(|k| {
+            let fours = self.guides.chunks_exact(guide_quads(self.field));
+            fours.flat_map(|guide| guide[LISTED + k].0).take(self.n).collect()
+        });
+        let [x, y, z] = self.coordinates();
+        let fit = rigid_fit([&from[0], &from[1], &from[2]], [&x, &y, &z], &vec![true; self.n]);
+        let turn = if fit.rank == FitRank::Full { fit.motion.rotation } else { self.frame.turn() };
+        self.frame = BodyFrame::of(self.model, &self.records, self.n, turn);
+        let (strayed, stale) = self.look();
+        if strayed {
+            let remembered = self.pairs.memories();
+            self.list(&remembered);
+        }
+        if stale {
+            self.attract()?;
+        }
+        self.correction = self.residual_torque();
+        Ok(())
+    }
+
+    /// Evaluates gravity.
+    fn attract(&mut self) -> Result<(), PkdError> {
+        if self.field == NONE {
+            return Ok(());
+        }
+        self.work.gravity_evaluations += 1;
+        let [x, y, z] = self.coordinates();
+        let mass: Vec<f64> =
+            self.records.chunks_exact(record::quads(self.model)).take(self.n).map(|s| s[PREDICTED].0[3]).collect();
+        self.gravity.accelerations(&x, &y, &z, &mass, &mut self.accelerations);
+        let a = &self.accelerations;
+        for component in [&a.x, &a.y, &a.z] {
+            if let Some(i) = component.iter().position(|value| !value.is_finite()) {
+                let (sphere, time_s) = (self.rows[i] as usize, self.time);
+                return Err(PkdError::BecameNonFinite { sphere, quantity: "acceleration", time_s });
+            }
+        }
+        if self.field == FROZEN {
+            self.freeze(&mass);
+            return Ok(());
+        }
+        let a = &self.accelerations;
+        for (four, guide) in self.guides.chunks_exact_mut(guide_quads(self.field)).enumerate() {
+            for (k, component) in [&a.x, &a.y, &a.z].into_iter().enumerate() {
+                let from = component[four * LANES..].iter().take(LANES);
+                guide[FIELD + k].0.iter_mut().zip(from).for_each(|(to, a)| *to = *a);
+            }
+        }
+        Ok(())
+    }
+
+    /// Turns the field just evaluated into the body frame, takes its net force and torque out, and compares it with the one
+    /// before.
+    fn freeze(&mut self, mass: &[f64]) {
+        let Self { accelerations: a, guides, .. } = self;
+        let turn = self.frame.turn();
+        let field: Vec<Vector3<f64>> =
+            (0..self.n).map(|i| turn.tr_mul(&Vector3::new(a.x[i], a.y[i], a.z[i]))).collect();
+        let total: f64 = mass.iter().sum();
+        let mean = field.iter().zip(mass).map(|(g, m)| g * *m).sum::<Vector3<f64>>() / total;
+
+        let guide = guide_quads(FROZEN);
+        let first = self.work.gravity_evaluations == 1;
+        let correction = Vector3::from(self.correction);
+        let (mut error, mut size) = (0.0, 0.0);
+        for (i, g) in field.iter().enumerate() {
+            let (guide, lane) = (&mut guides[i / LANES * guide..], i % LANES);
+            let of = |guide: &[Quad], at: usize| Vector3::from_fn(|k, _| guide[at + k].0[lane]);
+            let old = of(guide, FIELD) - correction.cross(&of(guide, NOW));
+            error += (old - g).norm_squared();
+            size += g.norm_squared();
+            for k in 0..3 {
+                guide[FIELD + k].0[lane] = g[k] - mean[k];
+            }
+        }
+        if !first && size > 0.0 {
+            self.work.frozen_field_error = self.work.frozen_field_error.max((error / size).sqrt());
+        }
+        if let Gravity::BodyFrame { tolerance } = self.parameters.gravity {
+            self.note(ATTRACTED, tolerance);
+        }
+        self.note_now();
+        self.correction = self.residual_torque();
+    }
+
+    /// Copies the places noted for gravity to the present ones.
+    fn note_now(&mut self) {
+        for guide in self.guides.chunks_exact_mut(guide_quads(FROZEN)) {
+            guide.copy_within(ATTRACTED..ATTRACTED + 3, NOW);
+        }
+    }
+
+    /// Angular acceleration that takes out the torque of the frozen field at the present places.
+    fn residual_torque(&self) -> [f64; 3] {
+        if self.field != FROZEN {
+            return [0.0; 3];
+        }
+        let (quads, guide) = (record::quads(self.model), guide_quads(FROZEN));
+        let (mut torque, mut moments) = (Vector3::zeros(), [0.0; 6]);
+        for i in 0..self.n {
+            let (guide, lane) = (&self.guides[i / LANES * guide..], i % LANES);
+            let of = |at: usize| Vector3::from_fn(|k, _| guide[at + k].0[lane]);
+            let (y, m) = (of(NOW), self.records[i * quads + PREDICTED].0[3]);
+            torque += y.cross(&of(FIELD)) * m;
+            let products = [y.x * y.x, y.y * y.y, y.z * y.z, y.x * y.y, y.x * y.z, y.y * y.z];
+            moments.iter_mut().zip(products).for_each(|(sum, p)| *sum += m * p);
+        }
+        angular_acceleration(torque.into(), moments)
+    }
+
+    /// The frame now and after a step, which passes.
+    fn frames(&mut self, step: f64) -> Frames {
+        let turn = columns(&self.frame.turn());
+        self.frame.pass(step);
+        Frames {
+            turn,
+            correction: self.correction,
+            next_turn: columns(&self.frame.turn()),
+            next_centre: self.frame.centre().into(),
+        }
+    }
+
+    /// Moves all spheres by a step.
+    fn advance(&mut self, step: f64, frames: &Frames) -> Moved {
+        let (model, quads, guide) = (self.model, record::quads(self.model), guide_quads(self.field));
+        let advance = self.kernels.advance;
+        let foreign = &self.pairs.foreign;
+        let one = |(((chunk, records), guides), moved): (((&mut _, &mut [Quad]), &mut [Quad]), &mut Moved)| {
+            let chunk: &mut super::pairs::Chunk = chunk;
+            collect(model, chunk, foreign);
+            // SAFETY: laid out for the model and field the kernel was chosen for.
+            *moved = unsafe { advance(step, frames, records, guides, &chunk.sums) };
+        };
+        let (records, guides) = (CHUNK * quads, CHUNK / LANES * guide);
+        if self.n >= PARALLEL_FROM && rayon::current_num_threads() > 1 {
+            self.pairs
+                .chunks
+                .par_iter_mut()
+                .zip(self.records.par_chunks_mut(records))
+                .zip(self.guides.par_chunks_mut(guides))
+                .zip(&mut self.moved)
+                .for_each(one);
+        } else {
+            let chunks = self.pairs.chunks.iter_mut();
+            chunks
+                .zip(self.records.chunks_mut(records))
+                .zip(self.guides.chunks_mut(guides))
+                .zip(&mut self.moved)
+                .for_each(one);
+        }
+        // In the order of the chunks.
+        self.moved.iter().fold(Moved::default(), |sum, m| Moved {
+            strayed: sum.strayed | m.strayed,
+            stale: sum.stale | m.stale,
+            torque: std::array::from_fn(|k| sum.torque[k] + m.torque[k]),
+            moments: std::array::from_fn(|k| sum.moments[k] + m.moments[k]),
+        })
+    }
+
+    /// Finds the forces of all contacts, whose springs are `step` (s) older than before.
+    fn push(&mut self, step: f64) -> Result<(), PkdError> {
+        let (contacts, law, records) = (self.kernels.contacts, &self.law, &self.records[..]);
+        let width = record::sums(self.model);
+        let one = |(chunk, foreign): (&mut super::pairs::Chunk, &mut Vec<Quad>)| {
+            // SAFETY: laid out for the model the kernel was chosen for, with rows of existing spheres and of the one that is
+            // nowhere.
+            unsafe { contacts(law, step, records, chunk) };
+            let from = &chunk.sums[chunk.own * width..];
+            let length = foreign.len();
+            foreign.copy_from_slice(&from[..length]);
+        };
+        if self.n >= PARALLEL_FROM && rayon::current_num_threads() > 1 {
+            self.pairs.chunks.par_iter_mut().zip(&mut self.pairs.foreign).for_each(one);
+        } else {
+            self.pairs.chunks.iter_mut().zip(&mut self.pairs.foreign).for_each(one);
+        }
+        let limit = self.parameters.max_overlap;
+        if self.pairs.chunks.iter().any(|c| c.deepest > limit) { Err(self.too_deep()) } else { Ok(()) }
+    }
+
+    /// Lets the present forces act for `duration` (s) on the velocities, without moving anything.
+    fn kick(&mut self, duration: f64) {
+        let turn = self.frame.turn();
+        let correction = Vector3::from(self.correction);
+        let (quads, width, guide) = (record::quads(self.model), record::sums(self.model), guide_quads(self.field));
+        let (chunks, foreign) = (&mut self.pairs.chunks, &self.pairs.foreign);
+        for (c, chunk) in chunks.iter_mut().enumerate() {
+            // The sums may be asked for again.
+            let sums = chunk.sums.clone();
+            collect(self.model, chunk, foreign);
+            for own in 0..chunk.own {
+                let i = c * CHUNK + own;
+                let s = &mut self.records[i * quads..(i + 1) * quads];
+                let guide = &self.guides[i / LANES * guide..];
+                let of = |at: usize| Vector3::from_fn(|k, _| guide[at + k].0[i % LANES]);
+                let pull = match self.field {
+                    NONE => Vector3::zeros(),
+                    GIVEN => of(FIELD),
+                    _ => turn * (of(FIELD) - correction.cross(&of(NOW))),
+                };
+                let kick = (chunk.sums[own * width].xyz() * s[VELOCITY].0[3] + pull) * duration;
+                (0..3).for_each(|k| s[VELOCITY].0[k] += kick[k]);
+                if self.model != FRICTIONLESS {
+                    let kick = chunk.sums[own * width + 1].xyz() * s[SPIN].0[3] * duration;
+                    (0..3).for_each(|k| s[SPIN].0[k] += kick[k]);
+                }
+            }
+            chunk.sums = sums;
+        }
+    }
+
+    /// Calls `visit` with the overlap over the smaller radius of each pair that overlaps, in our rows.
+    fn overlaps(&self, mut visit: impl FnMut(u32, u32, f64)) {
+        let quads = record::quads(self.model);
+        self.pairs.visit(|c| {
+            let [i, j] = [c.first, c.second].map(|s| &self.records[s as usize * quads + PLACE]);
+            let (d, s) = ((j.xyz() - i.xyz()).norm(), i.0[3] + j.0[3]);
+            if d < s {
+                visit(c.first, c.second, (s - d) / i.0[3].min(j.0[3]));
+            }
+        });
+    }
+
+    /// The pair that overlaps most, as an error.
+    #[cold]
+    fn too_deep(&self) -> PkdError {
+        let mut worst = (0, 0, 0.0);
+        self.overlaps(|i, j, fraction| {
+            if fraction > worst.2 {
+                worst = (i, j, fraction);
+            }
+        });
+        let [a, b] = [worst.0, worst.1].map(|i| self.rows[i as usize] as usize);
+        let limit = self.parameters.max_overlap;
+        PkdError::TooSoft { first: a.min(b), second: a.max(b), fraction: worst.2, limit, time_s: self.time }
+    }
+
+    fn refuse_coincident(&self) -> Result<(), PkdError> {
+        let quads = record::quads(self.model);
+        let mut found = None;
+        self.pairs.visit(|c| {
+            let [i, j] = [c.first, c.second].map(|s| self.records[s as usize * quads + PLACE].xyz());
+            if i == j {
+                let [a, b] = [c.first, c.second].map(|i| self.rows[i as usize] as usize);
+                found.get_or_insert((a.min(b), a.max(b)));
+            }
+        });
+        found.map_or(Ok(()), |(first, second)| Err(PkdError::Coincident { first, second }))
+    }
+
+    /// Refuses places, velocities and spins that are not finite.
+    pub fn finite(&self) -> Result<(), PkdError> {
+        for (s, &row) in self.records.chunks_exact(record::quads(self.model)).zip(&self.rows) {
+            for (k, quad) in s.iter().enumerate() {
+                if !quad.0.iter().all(|v| v.is_finite()) {
+                    let quantity = match k {
+                        PLACE => "place",
+                        PREDICTED | VELOCITY => "velocity",
+                        _ => "spin",
+                    };
+                    return Err(PkdError::BecameNonFinite { sphere: row as usize, quantity, time_s: self.time });
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Records of the spheres in the order of `rows`, filled up with spheres that are nowhere: at least one, and whole fours.
+fn records(model: u8, spheres: &Spheres, rows: &[u32]) -> Vec<Quad> {
+    let quads = record::quads(model);
+    let mut records = vec![Quad::default(); (rows.len() / LANES + 1) * LANES * quads];
+    for (k, s) in records.chunks_exact_mut(quads).enumerate() {
+        let Some(&row) = rows.get(k) else {
+            s[PLACE] = Quad([NOWHERE, NOWHERE, NOWHERE, 0.0]);
+            continue;
+        };
+        let i = row as usize;
+        let with = |[x, y, z]: [f64; 3], fourth: f64| Quad([x, y, z, fourth]);
+        let (m, radius) = (spheres.mass[i], spheres.radius[i]);
+        s[PLACE] = with(spheres.position(i), radius);
+        s[PREDICTED] = with(spheres.velocity(i), m);
+        s[VELOCITY] = with(spheres.velocity(i), 1.0 / m);
+        if model != FRICTIONLESS {
+            let inertia = 0.4 * m * radius * radius;
+            s[PREDICTED_SPIN] = with(spheres.spin(i), inertia);
+            s[SPIN] = with(spheres.spin(i), 1.0 / inertia);
+        }
+    }
+    records
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,404 @@
+//! The contact law: forces and torques of all pairs of a chunk, four pairs at a time.
+//!
+//! Schwartz et al. 2012 (Granular Matter 14, 363) for normal and tangential forces and the transport of the springs,
+//! Zhang et al. 2017 (Icarus 294, 98, eqs 2-12) for rolling and twisting, Zhang et al. 2018 (ApJ 857, 15) for cohesion.
+//! `i` and `j` are the two spheres, `n` the unit vector from i to j, a force is that on i.
+//!
+//! Dashpots see the velocities predicted for the time of the positions; springs are stretched with those of the
+//! half step before, by which the positions were moved too: so a spring is a position to the leapfrog, and neither
+//! gains nor loses energy. The direction of the step before follows from the same velocities.
+
+use super::coefficients::Coefficients;
+use super::lanes::{LANES, Lanes, Quad, Vector};
+use super::pairs::Chunk;
+use super::parameters::SlidingCap;
+use super::record::{self, DIRECTIONAL, FRICTIONLESS, FULL};
+
+/// Share of the relative rotation that a torque of the directional model may take away in one step: a sphere with a
+/// dozen contacts still comes to rest and is not turned round.
+const TAKEN_IN_A_STEP: f64 = 0.0625;
+
+/// Heat made in contacts since the books were opened, J.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Heat {
+    pub normal: f64,
+    pub sliding_dashpot: f64,
+    pub sliding_slider: f64,
+    pub rolling_dashpot: f64,
+    pub rolling_slider: f64,
+    pub twisting_dashpot: f64,
+    pub twisting_slider: f64,
+}
+
+impl Heat {
+    pub fn plus(&self, other: &Self) -> Self {
+        Self {
+            normal: self.normal + other.normal,
+            sliding_dashpot: self.sliding_dashpot + other.sliding_dashpot,
+            sliding_slider: self.sliding_slider + other.sliding_slider,
+            rolling_dashpot: self.rolling_dashpot + other.rolling_dashpot,
+            rolling_slider: self.rolling_slider + other.rolling_slider,
+            twisting_dashpot: self.twisting_dashpot + other.twisting_dashpot,
+            twisting_slider: self.twisting_slider + other.twisting_slider,
+        }
+    }
+}
+
+/// Computes the forces and torques of the pairs of `chunk` into its sums, and advances its springs by `step` (s).
+///
+/// # Safety
+/// The processor must have the instructions of `V`, and the function must be inlined into one compiled for them. `records`
+/// and the fields and sums of the chunk must be laid out for `MODEL` and `COHESIVE`, and its indices be within them.
+#[inline(always)]
+pub(super) unsafe fn contacts<V: Lanes, const MODEL: u8, const COHESIVE: bool, const LEDGER: bool>(
+    law: &Coefficients,
+    step: f64,
+    records: &[Quad],
+    chunk: &mut Chunk,
+) {
+    let stride = record::quads(MODEL) * LANES;
+    let fields = record::fields(MODEL, COHESIVE);
+    let memory = record::constants(MODEL, COHESIVE);
+    let acc_stride = record::sums(MODEL) * LANES;
+    chunk.sums.fill(Quad::default());
+    let acc = chunk.sums.as_mut_ptr().cast::<f64>();
+    let base = records.as_ptr().cast::<f64>();
+
+    // SAFETY: the caller vouches for the processor and the layout.
+    unsafe {
+        let (zero, one, half) = (V::splat(0.0), V::splat(1.0), V::splat(0.5));
+        let h = V::splat(step);
+        let (k_n, c_n) = (V::splat(law.k_n), V::splat(law.c_n));
+        let (k_t, c_t, mu_s) = (V::splat(law.k_t), V::splat(law.c_t), V::splat(law.mu_s));
+        let mut deepest = V::splat(chunk.deepest);
+        let mut heat = [zero; 7];
+
+        for (four, field) in chunk.index.iter().zip(chunk.fields.chunks_exact_mut(fields)) {
+            let field = field.as_mut_ptr().cast::<f64>();
+            let (pi, pj) =
+                (four.i.map(|i| base.add(i as usize * stride)), four.j.map(|j| base.add(j as usize * stride)));
+            let (r, s, dr) = separation::<V>(pi, pj);
+            let d2 = r.dot(r);
+            let contact = d2.less(s * s);
+            if !LEDGER && !contact.any() {
+                for k in memory..fields {
+                    zero.store(field.add(k * LANES));
+                }
+                continue;
+            }
+
+            let d = d2.sqrt();
+            let inverse = one / d;
+            let n = r.times(inverse);
+            let x = s - d;
+            // Seldom, once a body has settled: the deepest overlap over the smaller radius.
+            let smaller = half * (s - dr.abs());
+            let record = contact.keep((deepest * smaller).less(x));
+            if record.any() {
+                let depth = contact.keep(x / smaller).to_array().into_iter().fold(deepest.to_array()[0], f64::max);
+                deepest = V::splat(depth);
+            }
+
+            let sqrt_mu = V::load(field);
+            let dv = difference::<V>(pi, pj, record::PREDICTED);
+            let u_n = dv.dot(n);
+            let push = c_n * sqrt_mu * u_n - k_n * x;
+            let load = push.abs();
+            let mut along = push;
+            if COHESIVE {
+                let q = V::load(field.add(LANES));
+                along = along + V::splat(law.cohesion) * q * q;
+            }
+            let mut force = n.times(along);
+            if LEDGER {
+                heat[0] = heat[0] + contact.keep(h * c_n * sqrt_mu * u_n * u_n);
+            }
+
+            if MODEL != FRICTIONLESS {
+                // Lever arms: l_i = d/2 - e, l_j = d/2 + e.
+                let (arm, e) = (half * d, half * s * dr * inverse);
+                let (w_sum, w_dif) = sum_and_difference::<V>(pi, pj, record::PREDICTED_SPIN);
+                let u = (dv - n.times(u_n)) - (w_sum.times(arm) + w_dif.times(e)).cross(n);
+
+                // The same in the middle of the step, and the direction at its start.
+                let dv = difference::<V>(pi, pj, record::VELOCITY);
+                let (w_sum_mid, w_dif_mid) = sum_and_difference::<V>(pi, pj, record::SPIN);
+                let u_mid = (dv - n.times(dv.dot(n))) - (w_sum_mid.times(arm) + w_dif_mid.times(e)).cross(n);
+                let old = r - dv.times(h);
+                let old2 = old.dot(old);
+                let was = old2.less(s * s);
+                let old = old.times(one / old2.sqrt());
+                let turn = Turn::new(old, n, V::splat(0.25 * step) * w_sum_mid.dot(n));
+
+                let at = |k: usize| field.add((memory + k) * LANES);
+                let spring = turn.apply(Vector([V::load(at(0)), V::load(at(1)), V::load(at(2))]));
+                let trial = (spring + u_mid.times(h)).kept(was);
+                let dashpot = u.times(c_t * sqrt_mu);
+                let limit = mu_s * load;
+                let (mut spring, mut rub) = (trial, trial.times(k_t) + dashpot);
+                let rub2 = rub.dot(rub);
+                let slips = contact.keep((limit * limit).less(rub2));
+                if slips.any() {
+                    // Slips are few, so the rule is looked up here and not compiled into kernels of its own.
+                    let (held, kept) = match law.cap {
+                        SlidingCap::Smaller => {
+                            let length = trial.dot(trial).sqrt();
+                            (trial.times(nonzero(length, limit / length)), trial)
+                        }
+                        SlidingCap::Drop => {
+                            let size = dashpot.dot(dashpot).sqrt();
+                            let limited = size.less(limit).choose(one, nonzero(size, limit / size));
+                            (dashpot.times(limited), Vector([zero; 3]))
+                        }
+                        SlidingCap::Rescale => {
+                            let held = rub.times(limit / rub2.sqrt());
+                            let kept = (held - dashpot).times(one / k_t);
+                            // A dashpot beyond the limit must not wind the spring up the other way.
+                            let (size2, most) = (kept.dot(kept), limit / k_t);
+                            let beyond = (most * most).less(size2);
+                            (held, kept.times(beyond.choose(most / size2.sqrt(), one)))
+                        }
+                    };
+                    (rub, spring) = (held.or(slips, rub), kept.or(slips, spring));
+                }
+                let spring = spring.kept(contact);
+                for (k, v) in spring.0.into_iter().enumerate() {
+                    v.store(at(k));
+                }
+                force = force + rub;
+                if LEDGER {
+                    let lost = half * k_t * (trial.dot(trial) - spring.dot(spring) - h * (trial - spring).dot(u_mid));
+                    let rubbed = contact.keep(h * (rub - spring.times(k_t)).dot(u));
+                    heat[1] = heat[1] + rubbed - slips.keep(rubbed);
+                    heat[2] = heat[2] + lost + slips.keep(rubbed);
+                }
+
+                let lever = n.cross(rub);
+                let (mut on_i, mut on_j) = (lever.times(arm - e), lever.times(arm + e));
+                if MODEL == FULL {
+                    let q = V::load(field.add(LANES));
+                    let q2 = q * q;
+                    let width = q * load;
+                    let unequal = e / (arm * arm - e * e);
+                    let twist = w_dif.dot(n);
+                    let twist_mid = w_dif_mid.dot(n);
+                    let roll = w_dif - n.times(twist) + n.cross(u).times(unequal);
+                    let roll_mid = w_dif_mid - n.times(twist_mid) + n.cross(u_mid).times(unequal);
+
+                    let (k_r, c_r) = (V::splat(law.k_r) * q2, V::splat(law.c_r) * q2 * sqrt_mu);
+                    let limit = V::splat(law.m_r) * width;
+                    let spring = turn.apply(Vector([V::load(at(3)), V::load(at(4)), V::load(at(5))]));
+                    let trial = (spring + roll_mid.times(h)).kept(was);
+                    let mut spring = trial;
+                    let mut torque = trial.times(k_r) + roll.times(c_r);
+                    let size2 = trial.dot(trial);
+                    let slips = contact.without((k_r * k_r * size2).less(limit * limit));
+                    if slips.any() {
+                        // Shortened to what the load holds: a spring that only stopped growing would go on driving the
+                        // spheres after the load has fallen, and make energy.
+                        let length = size2.sqrt();
+                        let held = trial.times(nonzero(length, limit / length));
+                        (torque, spring) = (held.or(slips, torque), held.times(one / k_r).or(slips, spring));
+                    }
+                    let spring = spring.kept(contact);
+                    for (k, v) in spring.0.into_iter().enumerate() {
+                        v.store(at(3 + k));
+                    }
+                    if LEDGER {
+                        let lost =
+                            half * k_r * (trial.dot(trial) - spring.dot(spring) - h * (trial - spring).dot(roll_mid));
+                        let rubbed = contact.keep(h * (torque - spring.times(k_r)).dot(roll));
+                        // Between unequal spheres the rate of rolling holds some sliding, which the torque does not drive.
+                        let beside = contact.keep(h * torque.dot(w_dif - roll));
+                        heat[3] = heat[3] + rubbed - slips.keep(rubbed);
+                        heat[4] = heat[4] + lost + slips.keep(rubbed) + beside;
+                    }
+
+                    let (k_w, c_w) = (V::splat(law.k_w) * q2, V::splat(law.c_w) * q2 * sqrt_mu);
+                    let limit = V::splat(law.m_w) * width;
+                    let trial = was.keep(V::load(at(6)) + h * twist_mid);
+                    let slips = contact.without((k_w * trial.abs()).less(limit));
+                    let held = zero.less(trial).choose(limit, trial.less(zero).choose(-limit, zero));
+                    let about = slips.choose(held, k_w * trial + c_w * twist);
+                    let spring = contact.keep(slips.choose(held / k_w, trial));
+                    spring.store(at(6));
+                    if LEDGER {
+                        let lost = half * k_w * (trial * trial - spring * spring - h * (trial - spring) * twist_mid);
+                        let rubbed = contact.keep(h * (about - k_w * spring) * twist);
+                        heat[5] = heat[5] + rubbed - slips.keep(rubbed);
+                        heat[6] = heat[6] + lost + slips.keep(rubbed);
+                    }
+                    let torque = torque + n.times(about);
+                    (on_i, on_j) = (on_i + torque, on_j - torque);
+                }
+                if MODEL == DIRECTIONAL {
+                    let constants = memory - 2;
+                    let age = contact.keep(was.keep(V::load(at(3)) + h));
+                    age.store(at(3));
+                    let mature = contact.without(age.less(V::splat(law.contact_time) * sqrt_mu));
+                    // v_rot = l_i w_i x n - l_j w_j x n; with n across it, |v_rot| = |l_i w_i - l_j w_j| across n.
+                    let (w_i, w_j) = ((w_sum - w_dif).times(half), (w_sum + w_dif).times(half));
+                    let rolling = w_i.times(arm - e) - w_j.times(arm + e);
+                    let rolling = rolling - n.times(rolling.dot(n));
+                    let speed = rolling.dot(rolling).sqrt();
+                    let per_step = V::splat(TAKEN_IN_A_STEP / law.step_s);
+                    let most = per_step * V::load(field.add(constants * LANES)) * speed;
+                    // The arm of the smaller sphere, so that the torques on the two are opposite.
+                    let size = V::splat(law.m_r) * (arm - e.abs()) * load;
+                    let size = most.less(size).choose(most, size);
+                    let against_roll = rolling.times(-nonzero(speed, size / speed));
+                    let twist = w_dif.dot(n);
+                    let most = per_step * V::load(field.add((constants + 1) * LANES)) * twist.abs();
+                    // Contact-circle radius; the circle is inside the sphere, but round-off may say otherwise.
+                    let radius = half * (s - dr);
+                    let circle2 = radius * radius - (arm - e) * (arm - e);
+                    let circle = zero.less(circle2).keep(circle2).sqrt();
+                    let size = V::splat(law.m_w) * circle * load;
+                    let size = most.less(size).choose(most, size);
+                    let about = zero.less(twist).choose(size, twist.less(zero).choose(-size, zero));
+                    let torque = (against_roll + n.times(about)).kept(mature);
+                    if LEDGER {
+                        heat[4] = heat[4] + h * mature.keep(against_roll.dot(w_dif));
+                        heat[6] = heat[6] + h * mature.keep(about * twist);
+                    }
+                    (on_i, on_j) = (on_i + torque, on_j - torque);
+                }
+
+                let [fx, fy, fz] = force.kept(contact).0;
+                let [ix, iy, iz] = on_i.kept(contact).0;
+                let [jx, jy, jz] = on_j.kept(contact).0;
+                let force = V::transpose([fx, fy, fz, zero]);
+                let on_i = V::transpose([ix, iy, iz, zero]);
+                let on_j = V::transpose([jx, jy, jz, zero]);
+                for (k, force) in force.into_iter().enumerate() {
+                    let sum = acc.add(four.sum_i[k] as usize * acc_stride);
+                    (V::load(sum) + force).store(sum);
+                    let turn = sum.add(LANES);
+                    (V::load(turn) + on_i[k]).store(turn);
+                    let sum = acc.add(four.sum_j[k] as usize * acc_stride);
+                    (V::load(sum) - force).store(sum);
+                    let turn = sum.add(LANES);
+                    (V::load(turn) + on_j[k]).store(turn);
+                }
+            } else {
+                let [fx, fy, fz] = force.kept(contact).0;
+                let force = V::transpose([fx, fy, fz, zero]);
+                for (k, force) in force.into_iter().enumerate() {
+                    let sum = acc.add(four.sum_i[k] as usize * acc_stride);
+                    (V::load(sum) + force).store(sum);
+                    let sum = acc.add(four.sum_j[k] as usize * acc_stride);
+                    (V::load(sum) - force).store(sum);
+                }
+            }
+        }
+        chunk.deepest = deepest.to_array()[0];
+        if LEDGER {
+            let Heat {
+                normal,
+                sliding_dashpot,
+                sliding_slider,
+                rolling_dashpot,
+                rolling_slider,
+                twisting_dashpot,
+                twisting_slider,
+            } = &mut chunk.heat;
+            let books = [
+                normal,
+                sliding_dashpot,
+                sliding_slider,
+                rolling_dashpot,
+                rolling_slider,
+                twisting_dashpot,
+                twisting_slider,
+            ];
+            for (book, sum) in books.into_iter().zip(heat) {
+                *book += sum.to_array().iter().sum::<f64>();
+            }
+        }
+    }
+}
+
+/// `value` where `size` is more than nothing, 0 elsewhere: what a vector without a direction gives.
+#[inline(always)]
+fn nonzero<V: Lanes>(size: V, value: V) -> V {
+    // SAFETY: there are values of the type, so the processor has it.
+    let none = unsafe { V::splat(0.0) };
+    none.less(size).keep(value)
+}
+
+/// Vectors from i to j, sums of the radii and differences R_j - R_i.
+#[inline(always)]
+unsafe fn separation<V: Lanes>(pi: [*const f64; LANES], pj: [*const f64; LANES]) -> (Vector<V>, V, V) {
+    unsafe {
+        let (i, j) = (V::pairs(pi), V::pairs(pj));
+        let [x, y] = V::unzip([j[0] - i[0], j[1] - i[1]]);
+        let (i, j) = (V::pairs(pi.map(|p| p.add(2))), V::pairs(pj.map(|p| p.add(2))));
+        let [z, dr] = V::unzip([j[0] - i[0], j[1] - i[1]]);
+        let [_, s] = V::unzip([j[0] + i[0], j[1] + i[1]]);
+        (Vector([x, y, z]), s, dr)
+    }
+}
+
+/// Difference, j minus i, of the vectors in one quad of the records.
+#[inline(always)]
+unsafe fn difference<V: Lanes>(pi: [*const f64; LANES], pj: [*const f64; LANES], quad: usize) -> Vector<V> {
+    unsafe {
+        let at = quad * LANES;
+        let (i, j) = (V::pairs(pi.map(|p| p.add(at))), V::pairs(pj.map(|p| p.add(at))));
+        let [x, y] = V::unzip([j[0] - i[0], j[1] - i[1]]);
+        let (i, j) = (V::pairs(pi.map(|p| p.add(at + 2))), V::pairs(pj.map(|p| p.add(at + 2))));
+        let [z, _] = V::unzip([j[0] - i[0], j[1] - i[1]]);
+        Vector([x, y, z])
+    }
+}
+
+/// Sum, and difference j minus i, of the vectors in one quad of the records.
+#[inline(always)]
+unsafe fn sum_and_difference<V: Lanes>(
+    pi: [*const f64; LANES],
+    pj: [*const f64; LANES],
+    quad: usize,
+) -> (Vector<V>, Vector<V>) {
+    unsafe {
+        let at = quad * LANES;
+        let (i, j) = (V::pairs(pi.map(|p| p.add(at))), V::pairs(pj.map(|p| p.add(at))));
+        let [sx, sy] = V::unzip([j[0] + i[0], j[1] + i[1]]);
+        let [dx, dy] = V::unzip([j[0] - i[0], j[1] - i[1]]);
+        let (i, j) = (V::pairs(pi.map(|p| p.add(at + 2))), V::pairs(pj.map(|p| p.add(at + 2))));
+        let [sz, _] = V::unzip([j[0] + i[0], j[1] + i[1]]);
+        let [dz, _] = V::unzip([j[0] - i[0], j[1] - i[1]]);
+        (Vector([sx, sy, sz]), Vector([dx, dy, dz]))
+    }
+}
+
+/// How a contact turned in a step: the smallest rotation that takes the old direction to the new, then a turn about that.
+///
+/// Schwartz et al. 2012, section 2.2. Both parts are exact rotations however long the step, so springs keep their length.
+#[derive(Clone, Copy)]
+struct Turn<V> {
+    n: Vector<V>,
+    /// (n_old + n) / (1 + n_old . n).
+    halfway: Vector<V>,
+    cos: V,
+    sin: V,
+}
+
+impl<V: Lanes> Turn<V> {
+    /// From `old` to `n`, then by the angle whose half has the tangent `t`.
+    #[inline(always)]
+    fn new(old: Vector<V>, n: Vector<V>, t: V) -> Self {
+        // SAFETY: there are values of the type, so the processor has it.
+        let one = unsafe { V::splat(1.0) };
+        let halfway = (old + n).times(one / (one + old.dot(n)));
+        let t2 = t * t;
+        let norm = one / (one + t2);
+        Self { n, halfway, cos: (one - t2) * norm, sin: (t + t) * norm }
+    }
+
+    /// Turns a vector that is perpendicular to the old direction; what is not, by round-off, is lost.
+    #[inline(always)]
+    fn apply(&self, v: Vector<V>) -> Vector<V> {
+        let v = v - self.halfway.times(v.dot(self.n));
+        v.times(self.cos) + self.n.cross(v).times(self.sin)
+    }
+}

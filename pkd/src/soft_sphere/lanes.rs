@@ -1,0 +1,319 @@
+//! Four numbers at a time: with AVX2 where the processor has it, plainly elsewhere, with the same bytes either way.
+//!
+//! There is no fused multiply-add and no approximate reciprocal in it, so both kinds round alike. A value of a vector
+//! type can only be made by an unsafe constructor, whose caller vouches for the processor; all else is safe then.
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// Numbers in a register.
+pub(super) const LANES: usize = 4;
+
+/// Four numbers of one sphere, such as x, y, z and a fourth that belongs to it, aligned like a register.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[repr(C, align(32))]
+pub(super) struct Quad(pub [f64; LANES]);
+
+impl Quad {
+    pub fn xyz(self) -> nalgebra::Vector3<f64> {
+        nalgebra::Vector3::new(self.0[0], self.0[1], self.0[2])
+    }
+}
+
+/// A register of four `f64`. Masks are registers whose lanes are all ones or all zeros.
+pub(super) trait Lanes:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self> + 'static
+{
+    /// The same number four times.
+    ///
+    /// # Safety
+    /// The processor must have the instructions of the type, here and wherever the result goes.
+    unsafe fn splat(value: f64) -> Self;
+    /// # Safety
+    /// As [`Self::splat`]; `from` must point at four numbers aligned like a [`Quad`].
+    unsafe fn load(from: *const f64) -> Self;
+    /// # Safety
+    /// As [`Self::load`], for writing.
+    unsafe fn store(self, to: *mut f64);
+    /// Two consecutive numbers from each of four places, to be taken apart by [`Self::unzip`].
+    ///
+    /// # Safety
+    /// As [`Self::splat`]; two numbers must follow each pointer.
+    unsafe fn pairs(from: [*const f64; LANES]) -> [Self; 2];
+    /// Makes the four first and the four second numbers of what [`Self::pairs`] gave, or of sums and differences.
+    fn unzip(pairs: [Self; 2]) -> [Self; 2];
+    /// Rows to columns.
+    fn transpose(rows: [Self; LANES]) -> [Self; LANES];
+    fn sqrt(self) -> Self;
+    fn abs(self) -> Self;
+    /// Mask of the lanes that are less than those of `other`; false if one is not a number.
+    fn less(self, other: Self) -> Self;
+    /// Lanes that are set in the mask `self` of `value`, 0 elsewhere.
+    fn keep(self, value: Self) -> Self;
+    /// `one` where the mask `self` is set, `other` elsewhere.
+    fn choose(self, one: Self, other: Self) -> Self;
+    /// The lanes of the mask `self` that are not set in `other`.
+    fn without(self, other: Self) -> Self;
+    /// Whether a lane of the mask is set.
+    fn any(self) -> bool;
+    fn to_array(self) -> [f64; LANES];
+}
+
+/// [`Lanes`] for any processor.
+#[derive(Debug, Clone, Copy)]
+#[repr(C, align(32))]
+pub(super) struct Plain([f64; LANES]);
+
+impl Plain {
+    #[inline(always)]
+    fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
+        Self(std::array::from_fn(|k| f(self.0[k], other.0[k])))
+    }
+
+    #[inline(always)]
+    fn bits(self, other: Self, f: impl Fn(u64, u64) -> u64) -> Self {
+        self.zip(other, |a, b| f64::from_bits(f(a.to_bits(), b.to_bits())))
+    }
+}
+
+macro_rules! plain_operator {
+    ($($name:ident $function:ident $symbol:tt),*) => {$(
+        impl $name for Plain {
+            type Output = Self;
+            #[inline(always)]
+            fn $function(self, other: Self) -> Self {
+                self.zip(other, |a, b| a $symbol b)
+            }
+        }
+    )*};
+}
+plain_operator!(Add add +, Sub sub -, Mul mul *, Div div /);
+
+impl Neg for Plain {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self(self.0.map(|a| -a))
+    }
+}
+
+impl Lanes for Plain {
+    #[inline(always)]
+    unsafe fn splat(value: f64) -> Self {
+        Self([value; LANES])
+    }
+    #[inline(always)]
+    unsafe fn load(from: *const f64) -> Self {
+        unsafe { *from.cast() }
+    }
+    #[inline(always)]
+    unsafe fn store(self, to: *mut f64) {
+        unsafe { *to.cast() = self }
+    }
+    #[inline(always)]
+    unsafe fn pairs(from: [*const f64; LANES]) -> [Self; 2] {
+        let [a, b, c, d] = from.map(|p| unsafe { [*p, *p.add(1)] });
+        [Self([a[0], a[1], c[0], c[1]]), Self([b[0], b[1], d[0], d[1]])]
+    }
+    #[inline(always)]
+    fn unzip([e, o]: [Self; 2]) -> [Self; 2] {
+        [Self([e.0[0], o.0[0], e.0[2], o.0[2]]), Self([e.0[1], o.0[1], e.0[3], o.0[3]])]
+    }
+    #[inline(always)]
+    fn transpose(rows: [Self; LANES]) -> [Self; LANES] {
+        std::array::from_fn(|k| Self(rows.map(|row| row.0[k])))
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self(self.0.map(f64::sqrt))
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self(self.0.map(f64::abs))
+    }
+    #[inline(always)]
+    fn less(self, other: Self) -> Self {
+        self.zip(other, |a, b| f64::from_bits(if a < b { u64::MAX } else { 0 }))
+    }
+    #[inline(always)]
+    fn keep(self, value: Self) -> Self {
+        self.bits(value, |m, v| m & v)
+    }
+    #[inline(always)]
+    fn choose(self, one: Self, other: Self) -> Self {
+        Self(std::array::from_fn(|k| if self.0[k].to_bits() != 0 { one.0[k] } else { other.0[k] }))
+    }
+    #[inline(always)]
+    fn without(self, other: Self) -> Self {
+        self.bits(other, |m, o| m & !o)
+    }
+    #[inline(always)]
+    fn any(self) -> bool {
+        self.0.iter().any(|m| m.to_bits() != 0)
+    }
+    #[inline(always)]
+    fn to_array(self) -> [f64; LANES] {
+        self.0
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+pub(super) use x86::Avx2;
+
+#[cfg(target_arch = "x86_64")]
+mod x86 {
+    use super::{Add, Div, LANES, Lanes, Mul, Neg, Quad, Sub};
+    use std::arch::x86_64::*;
+
+    /// [`Lanes`] for processors with AVX2. Having a value of it is the proof that the processor has.
+    #[derive(Debug, Clone, Copy)]
+    pub(in super::super) struct Avx2(__m256d);
+
+    macro_rules! operator {
+        ($($name:ident $function:ident $intrinsic:ident),*) => {$(
+            impl $name for Avx2 {
+                type Output = Self;
+                #[inline(always)]
+                fn $function(self, other: Self) -> Self {
+                    // SAFETY: a value of the type exists only where the processor has AVX2; so everywhere below.
+                    Self(unsafe { $intrinsic(self.0, other.0) })
+                }
+            }
+        )*};
+    }
+    operator!(Add add _mm256_add_pd, Sub sub _mm256_sub_pd, Mul mul _mm256_mul_pd, Div div _mm256_div_pd);
+
+    impl Neg for Avx2 {
+        type Output = Self;
+        #[inline(always)]
+        fn neg(self) -> Self {
+            Self(unsafe { _mm256_xor_pd(self.0, _mm256_set1_pd(-0.0)) })
+        }
+    }
+
+    impl Lanes for Avx2 {
+        #[inline(always)]
+        unsafe fn splat(value: f64) -> Self {
+            Self(unsafe { _mm256_set1_pd(value) })
+        }
+        #[inline(always)]
+        unsafe fn load(from: *const f64) -> Self {
+            Self(unsafe { _mm256_load_pd(from) })
+        }
+        #[inline(always)]
+        unsafe fn store(self, to: *mut f64) {
+            unsafe { _mm256_store_pd(to, self.0) }
+        }
+        #[inline(always)]
+        unsafe fn pairs([a, b, c, d]: [*const f64; LANES]) -> [Self; 2] {
+            unsafe {
+                [
+                    Self(_mm256_set_m128d(_mm_loadu_pd(c), _mm_loadu_pd(a))),
+                    Self(_mm256_set_m128d(_mm_loadu_pd(d), _mm_loadu_pd(b))),
+                ]
+            }
+        }
+        #[inline(always)]
+        fn unzip([even, odd]: [Self; 2]) -> [Self; 2] {
+            unsafe { [Self(_mm256_unpacklo_pd(even.0, odd.0)), Self(_mm256_unpackhi_pd(even.0, odd.0))] }
+        }
+        #[inline(always)]
+        fn transpose([a, b, c, d]: [Self; LANES]) -> [Self; LANES] {
+            unsafe {
+                let (ab_even, ab_odd) = (_mm256_unpacklo_pd(a.0, b.0), _mm256_unpackhi_pd(a.0, b.0));
+                let (cd_even, cd_odd) = (_mm256_unpacklo_pd(c.0, d.0), _mm256_unpackhi_pd(c.0, d.0));
+                [
+                    Self(_mm256_permute2f128_pd::<0x20>(ab_even, cd_even)),
+                    Self(_mm256_permute2f128_pd::<0x20>(ab_odd, cd_odd)),
+                    Self(_mm256_permute2f128_pd::<0x31>(ab_even, cd_even)),
+                    Self(_mm256_permute2f128_pd::<0x31>(ab_odd, cd_odd)),
+                ]
+            }
+        }
+        #[inline(always)]
+        fn sqrt(self) -> Self {
+            Self(unsafe { _mm256_sqrt_pd(self.0) })
+        }
+        #[inline(always)]
+        fn abs(self) -> Self {
+            Self(unsafe { _mm256_andnot_pd(_mm256_set1_pd(-0.0), self.0) })
+        }
+        #[inline(always)]
+        fn less(self, other: Self) -> Self {
+            Self(unsafe { _mm256_cmp_pd::<_CMP_LT_OQ>(self.0, other.0) })
+        }
+        #[inline(always)]
+        fn keep(self, value: Self) -> Self {
+            Self(unsafe { _mm256_and_pd(self.0, value.0) })
+        }
+        #[inline(always)]
+        fn choose(self, one: Self, other: Self) -> Self {
+            Self(unsafe { _mm256_blendv_pd(other.0, one.0, self.0) })
+        }
+        #[inline(always)]
+        fn without(self, other: Self) -> Self {
+            Self(unsafe { _mm256_andnot_pd(other.0, self.0) })
+        }
+        #[inline(always)]
+        fn any(self) -> bool {
+            unsafe { _mm256_movemask_pd(self.0) != 0 }
+        }
+        #[inline(always)]
+        fn to_array(self) -> [f64; LANES] {
+            let mut out = Quad::default();
+            unsafe { self.store(out.0.as_mut_ptr()) };
+            out.0
+        }
+    }
+}
+
+/// A vector in space for each lane.
+#[derive(Clone, Copy)]
+pub(super) struct Vector<V>(pub [V; 3]);
+
+impl<V: Lanes> Vector<V> {
+    #[inline(always)]
+    pub fn dot(self, other: Self) -> V {
+        let ([a, b, c], [x, y, z]) = (self.0, other.0);
+        a * x + b * y + c * z
+    }
+    #[inline(always)]
+    pub fn cross(self, other: Self) -> Self {
+        let ([a, b, c], [x, y, z]) = (self.0, other.0);
+        Self([b * z - c * y, c * x - a * z, a * y - b * x])
+    }
+    #[inline(always)]
+    pub fn times(self, factor: V) -> Self {
+        let [a, b, c] = self.0;
+        Self([a * factor, b * factor, c * factor])
+    }
+    /// The mask `mask` applied to each component.
+    #[inline(always)]
+    pub fn kept(self, mask: V) -> Self {
+        let [a, b, c] = self.0;
+        Self([mask.keep(a), mask.keep(b), mask.keep(c)])
+    }
+    /// `self` where the mask is set, `other` elsewhere.
+    #[inline(always)]
+    pub fn or(self, mask: V, other: Self) -> Self {
+        let ([a, b, c], [x, y, z]) = (self.0, other.0);
+        Self([mask.choose(a, x), mask.choose(b, y), mask.choose(c, z)])
+    }
+}
+
+impl<V: Lanes> Add for Vector<V> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        let ([a, b, c], [x, y, z]) = (self.0, other.0);
+        Self([a + x, b + y, c + z])
+    }
+}
+
+impl<V: Lanes> Sub for Vector<V> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        let ([a, b, c], [x, y, z]) = (self.0, other.0);
+        Self([a - x, b - y, c - z])
+    }
+}

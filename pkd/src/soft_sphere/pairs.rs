@@ -1,0 +1,229 @@
+//! The pairs of spheres that may be in contact, in chunks that one thread works on, with what each pair remembers.
+//!
+//! A chunk is a fixed number of spheres that follow each other in space, and the pairs whose first sphere is among them. It has
+//! its own sums of forces, for its own spheres and for the foreign ones that its pairs reach, so that threads never
+//! write to the same place; the sums of a sphere are put together in the order of the chunks. Chunks depend on the
+//! number of spheres alone: results do not depend on the number of threads.
+
+use super::coefficients::Coefficients;
+use super::history::Contact;
+use super::kernel::Heat;
+use super::lanes::{LANES, Quad};
+use super::record;
+
+/// Spheres of a chunk: their records, sums and pairs fit the second-level cache of a core.
+pub(super) const CHUNK: usize = 512;
+
+/// Four pairs: the rows of their spheres, and the places of these in the chunk's sums.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Four {
+    pub i: [u32; LANES],
+    pub j: [u32; LANES],
+    pub sum_i: [u32; LANES],
+    pub sum_j: [u32; LANES],
+}
+
+/// A contribution to the sums of an own sphere that another chunk has computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Incoming {
+    /// Place of the sphere in its own chunk.
+    pub sphere: u32,
+    pub chunk: u32,
+    /// Place among the foreign spheres of that chunk.
+    pub sum: u32,
+}
+
+/// Consecutive spheres and the pairs that start with one of them.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Chunk {
+    pub index: Vec<Four>,
+    /// For each four pairs: constants, then memory, as [`record`] says.
+    pub fields: Vec<Quad>,
+    /// Forces and torques: own spheres, then foreign ones, then some that nobody asks for.
+    pub sums: Vec<Quad>,
+    /// Spheres of its own.
+    pub own: usize,
+    /// What other chunks have for its spheres.
+    pub incoming: Vec<Incoming>,
+    /// Deepest overlap seen, over the smaller radius.
+    pub deepest: f64,
+    pub heat: Heat,
+    /// Pairs that are no filling.
+    pub count: usize,
+}
+
+/// All chunks of a body.
+#[derive(Debug, Default)]
+pub(super) struct Pairs {
+    pub chunks: Vec<Chunk>,
+    /// Sums of the foreign spheres of each chunk, taken out of it so that the others can read them.
+    pub foreign: Vec<Vec<Quad>>,
+    model: u8,
+    cohesive: bool,
+}
+
+impl Pairs {
+    pub fn new(model: u8, cohesive: bool) -> Self {
+        Self { chunks: Vec::new(), foreign: Vec::new(), model, cohesive }
+    }
+
+    /// Replaces the pairs by `near` (i < j, sorted) of the first `n` spheres that have records, giving each what
+    /// `remembered` (sorted by rows, first < second) holds of it. Sphere `n` must be far from all others.
+    pub fn fill(
+        &mut self,
+        n: usize,
+        near: &[(u32, u32)],
+        remembered: &[Contact],
+        records: &[Quad],
+        law: &Coefficients,
+    ) {
+        let quads = record::quads(self.model);
+        self.chunks.resize_with(n.div_ceil(CHUNK), Chunk::default);
+        self.foreign.resize_with(n.div_ceil(CHUNK), Vec::new);
+        let mut remembered = remembered.iter().peekable();
+        let mut near = near.iter().copied().peekable();
+        // Places of the foreign spheres in the sums of the chunk at hand.
+        let mut place = vec![u32::MAX; n];
+        let mut incoming: Vec<Vec<Incoming>> = vec![Vec::new(); self.chunks.len()];
+        let (constants, fields) =
+            (record::constants(self.model, self.cohesive), record::fields(self.model, self.cohesive));
+
+        for (c, chunk) in self.chunks.iter_mut().enumerate() {
+            let own = c * CHUNK..n.min((c + 1) * CHUNK);
+            let mut foreign: Vec<u32> = Vec::new();
+            chunk.index.clear();
+            chunk.fields.clear();
+            (chunk.count, chunk.own) = (0, own.len());
+            while let Some((i, j)) = near.next_if(|(i, _)| (*i as usize) < own.end) {
+                let sum_j = if (j as usize) < own.end {
+                    j - own.start as u32
+                } else {
+                    if place[j as usize] == u32::MAX {
+                        place[j as usize] = (own.len() + foreign.len()) as u32;
+                        foreign.push(j);
+                    }
+                    place[j as usize]
+                };
+                let lane = chunk.count % LANES;
+                if lane == 0 {
+                    chunk.index.push(Four {
+                        i: [i; LANES],
+                        j: [n as u32; LANES],
+                        sum_i: [0; LANES],
+                        sum_j: [0; LANES],
+                    });
+                    chunk.fields.extend(std::iter::repeat_n(Quad::default(), fields));
+                }
+                let four = chunk.index.last_mut().expect("one was pushed for the first lane");
+                (four.i[lane], four.j[lane], four.sum_i[lane], four.sum_j[lane]) = (i, j, i - own.start as u32, sum_j);
+                let at = chunk.fields.len() - fields;
+                let fields = &mut chunk.fields[at..];
+                self::constants(self.model, self.cohesive, law, [i, j].map(|s| &records[s as usize * quads..]))
+                    .into_iter()
+                    .zip(&mut *fields)
+                    .for_each(|(value, quad)| quad.0[lane] = value);
+                while remembered.next_if(|m| (m.first, m.second) < (i, j)).is_some() {}
+                if let Some(m) = remembered.next_if(|m| (m.first, m.second) == (i, j)) {
+                    let memory = fields[constants..].iter_mut().map(|quad| &mut quad.0[lane]);
+                    put_memory(self.model, m, memory);
+                }
+                chunk.count += 1;
+            }
+            let nobody = (own.len() + foreign.len()) as u32;
+            if chunk.count % LANES > 0 {
+                let four = chunk.index.last_mut().expect("there are pairs");
+                for lane in chunk.count % LANES..LANES {
+                    (four.sum_i[lane], four.sum_j[lane]) = (nobody, nobody);
+                }
+            }
+            chunk.sums.clear();
+            // Spheres move in fours, so the last may read beyond the own ones.
+            chunk.sums.resize((nobody as usize + LANES) * record::sums(self.model), Quad::default());
+            for (sum, &j) in foreign.iter().enumerate() {
+                let (home, sphere) = (j as usize / CHUNK, j % CHUNK as u32);
+                incoming[home].push(Incoming { sphere, chunk: c as u32, sum: sum as u32 });
+                place[j as usize] = u32::MAX;
+            }
+            self.foreign[c].clear();
+            self.foreign[c].resize(foreign.len() * record::sums(self.model), Quad::default());
+        }
+        for (chunk, mut incoming) in self.chunks.iter_mut().zip(incoming) {
+            incoming.sort_unstable();
+            chunk.incoming = incoming;
+        }
+    }
+
+    /// Calls `visit` with the rows and the memory of every pair.
+    pub fn visit(&self, mut visit: impl FnMut(Contact)) {
+        let (constants, fields) =
+            (record::constants(self.model, self.cohesive), record::fields(self.model, self.cohesive));
+        for chunk in &self.chunks {
+            for pair in 0..chunk.count {
+                let (block, lane) = (pair / LANES, pair % LANES);
+                let four = &chunk.index[block];
+                let memory = &chunk.fields[block * fields + constants..(block + 1) * fields];
+                visit(get_memory(self.model, four.i[lane], four.j[lane], |k| memory[k].0[lane]));
+            }
+        }
+    }
+
+    /// What the pairs remember, those that remember nothing left out, sorted by rows.
+    pub fn memories(&self) -> Vec<Contact> {
+        let mut contacts = Vec::new();
+        if record::memory(self.model) > 0 {
+            self.visit(|contact| {
+                if !contact.is_blank() {
+                    contacts.push(contact);
+                }
+            });
+        }
+        contacts
+    }
+
+    /// Bytes in use.
+    pub fn bytes(&self) -> usize {
+        let of = |c: &Chunk| {
+            size_of_val(&*c.index) + size_of_val(&*c.fields) + size_of_val(&*c.sums) + size_of_val(&*c.incoming)
+        };
+        self.chunks.iter().map(of).sum::<usize>() + self.foreign.iter().map(|f| size_of_val(&**f)).sum::<usize>()
+    }
+}
+
+/// The constants of a pair, in the order of [`record::constants`].
+fn constants(model: u8, cohesive: bool, law: &Coefficients, spheres: [&[Quad]; 2]) -> impl IntoIterator<Item = f64> {
+    let of = |quad: usize| spheres.map(|s| s[quad].0[3]);
+    // By the inverse masses, so that one may be held in place.
+    let ([r_i, r_j], [m_i, m_j]) = (of(record::PLACE), of(record::VELOCITY));
+    let sqrt_mu = (1.0 / (m_i + m_j)).sqrt();
+    let width = record::has_width(model, cohesive).then(|| law.shape * r_i * (r_j / (r_i + r_j)));
+    let inertias = (model == record::DIRECTIONAL).then(|| {
+        let [a, b] = of(record::SPIN);
+        [1.0 / (r_i * a + r_j * b), 1.0 / (a + b)]
+    });
+    std::iter::once(sqrt_mu).chain(width).chain(inertias.into_iter().flatten())
+}
+
+/// Writes the memory of a contact in the order of [`record::memory`].
+fn put_memory<'a>(model: u8, contact: &Contact, to: impl Iterator<Item = &'a mut f64>) {
+    let ([a, b, c], [d, e, f]) = (contact.sliding_m, contact.rolling_rad);
+    let values = match model {
+        record::DIRECTIONAL => [a, b, c, contact.age_s, 0.0, 0.0, 0.0],
+        _ => [a, b, c, d, e, f, contact.twisting_rad],
+    };
+    to.zip(values).for_each(|(to, value)| *to = value);
+}
+
+fn get_memory(model: u8, first: u32, second: u32, k: impl Fn(usize) -> f64) -> Contact {
+    let mut contact = Contact { first, second, ..Contact::default() };
+    if model != record::FRICTIONLESS {
+        contact.sliding_m = [k(0), k(1), k(2)];
+    }
+    if model == record::FULL {
+        contact.rolling_rad = [k(3), k(4), k(5)];
+        contact.twisting_rad = k(6);
+    }
+    if model == record::DIRECTIONAL {
+        contact.age_s = k(3);
+    }
+    contact
+}
