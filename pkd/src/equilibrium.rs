@@ -64,7 +64,8 @@ pub fn compact_ellipsoid(
 ) -> Result<Compact, PkdError> {
     let wanted = Vector2::new(asked.b_over_a, asked.c_over_a);
     let collapse_limit = contact.collapse_limit.max(SHAKING_COLLAPSE_LIMIT);
-    let mut engine = HardSphere::new(HardSphereParameters { collapse_limit, gravity: true, ..contact.clone() });
+    let gravity = Some(contact.gravity.unwrap_or_default());
+    let mut engine = HardSphere::new(HardSphereParameters { collapse_limit, gravity, ..contact.clone() });
     let duration = STRETCH_DYNAMICAL_TIMES / (G * asked.grain.density).sqrt();
 
     let mut packed = wanted;

@@ -171,7 +171,7 @@ fn fast_spheres_meet_as_in_a_search_through_all_pairs() {
         restitution_normal: 1.0,
         restitution_tangential: 1.0,
         step_s: 400.0,
-        gravity: false,
+        gravity: None,
         ..HardSphereParameters::default()
     };
     let mut fast = cloud.clone();

@@ -14,7 +14,7 @@ fn defaults() -> HardSphereParameters {
 }
 
 fn without_gravity() -> HardSphereParameters {
-    HardSphereParameters { gravity: false, ..defaults() }
+    HardSphereParameters { gravity: None, ..defaults() }
 }
 
 fn spheres(rows: &[([f64; 3], [f64; 3], f64, f64)]) -> Spheres {

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::ValueEnum;
 use nalgebra::Vector3;
 use pkd::frame::set_rigid_rotation;
+use pkd::gravity::{GravityMethod, GravityOptions};
 use pkd::hard_sphere::{HardSphereParameters, repair_overlaps};
 use pkd::mass_properties::mass_properties;
 use serde_json::json;
@@ -13,7 +14,7 @@ use super::progress::Reporter;
 use super::{CliError, arguments as value, output};
 use crate::evolve::relax::{Duration, Relaxed, relax};
 use crate::exchange::{AggregateFormat, read_aggregate, write_aggregate};
-use crate::scene::{Contact, Evolution};
+use crate::scene::{self, Contact, Evolution};
 
 /// Arguments of `yorp relax`.
 #[derive(Debug, clap::Args)]
@@ -55,20 +56,33 @@ enum ContactModel {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Gravity {
-    /// The fastest exact method: the direct sum
+    /// The fastest method with forces good to 1e-3: the direct sum for small bodies, the tree for large ones
     Auto,
     /// Every pair
     Direct,
+    /// The tree
+    Tree,
     /// None
     Off,
+}
+
+impl Gravity {
+    fn method(self) -> Option<GravityMethod> {
+        match self {
+            Self::Auto => Some(GravityMethod::Auto),
+            Self::Direct => Some(GravityMethod::Direct),
+            Self::Tree => Some(GravityMethod::Tree),
+            Self::Off => None,
+        }
+    }
 }
 
 pub(super) fn run(arguments: &Arguments, as_json: bool) -> Result<(), CliError> {
     let ContactModel::Hard = arguments.contact;
     let parameters = HardSphereParameters {
         step_s: arguments.step_s,
-        gravity: arguments.gravity != Gravity::Off,
-        ..Contact::default().to_pkd()
+        gravity: arguments.gravity.method().map(|method| GravityOptions { method, ..GravityOptions::default() }),
+        ..Contact::default().to_pkd(&scene::GravityOptions::default())
     };
     let format = arguments.out.as_deref().map(AggregateFormat::of).transpose().map_err(CliError::input)?;
     let mut spheres = read_aggregate(&arguments.aggregate).map_err(CliError::input)?;

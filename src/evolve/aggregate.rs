@@ -83,7 +83,7 @@ fn packed(
 
 fn from_file(path: PathBuf, scene: &SceneFile, observer: &mut dyn Observer) -> Result<Spheres, EvolveError> {
     let mut spheres = read_aggregate(&path)?;
-    let report = repair_overlaps(&mut spheres, &scene.scene.contact.to_pkd())?;
+    let report = repair_overlaps(&mut spheres, &scene.scene.contact.to_pkd(&scene.scene.gravity))?;
     if report.overlap_repairs > 0 {
         observer.warn(&format!(
             "{}: pushed {} overlapping pairs apart, the deepest by {:.2e} radii",

@@ -83,7 +83,7 @@ pub fn run(
 
 /// The engine that the scene's contacts ask for.
 pub fn engine(scene: &Scene) -> HardSphere {
-    HardSphere::new(scene.contact.to_pkd())
+    HardSphere::new(scene.contact.to_pkd(&scene.gravity))
 }
 
 struct Driver<'a> {

@@ -64,7 +64,7 @@ pub fn relax(
     let clock = (std::time::Instant::now(), ProcessTime::now());
     let start = spheres.clone();
     let before = mass_properties(spheres)?;
-    let energy_before = total_energy(spheres, &before, parameters.gravity);
+    let energy_before = total_energy(spheres, &before, parameters.gravity.is_some());
     let mut engine = HardSphere::new(parameters.clone());
     let mut report = Report::default();
     let (mut rotations, mut settled) = (0.0, None);
@@ -94,7 +94,7 @@ pub fn relax(
         }
     }
     let after = mass_properties(spheres)?;
-    let energy_after = total_energy(spheres, &after, parameters.gravity);
+    let energy_after = total_energy(spheres, &after, parameters.gravity.is_some());
     let spin_scale = before.angular_momentum.norm();
     let (axes_before, axes_after) = (before.deeve_axes(), after.deeve_axes());
     Ok(Relaxed {

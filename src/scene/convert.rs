@@ -1,10 +1,13 @@
 //! What a scene means to the crates that compute: parameters in their types.
 
-use super::{Contact, Interpolation, MultipleScattering, Orbit, Reflectance, SlideVelocity, Surface, TorqueOptions};
+use super::{
+    Contact, GravityMethod, GravityOptions, Interpolation, MultipleScattering, Orbit, Reflectance, SlideVelocity,
+    Surface, TorqueOptions,
+};
 
 impl Contact {
-    /// Parameters of the hard-sphere engine, with gravity.
-    pub fn to_pkd(&self) -> pkd::hard_sphere::HardSphereParameters {
+    /// Parameters of the hard-sphere engine, with `gravity`.
+    pub fn to_pkd(&self, gravity: &GravityOptions) -> pkd::hard_sphere::HardSphereParameters {
         let Self::HardSphere(contact) = self;
         pkd::hard_sphere::HardSphereParameters {
             restitution_normal: contact.restitution_normal,
@@ -17,7 +20,21 @@ impl Contact {
             collapse_limit: contact.collapse_limit,
             step_s: contact.step_s,
             max_collisions_per_sphere: contact.max_collisions_per_sphere,
-            gravity: true,
+            gravity: Some(gravity.to_pkd()),
+        }
+    }
+}
+
+impl GravityOptions {
+    /// The options as the particle crate knows them.
+    pub fn to_pkd(&self) -> pkd::gravity::GravityOptions {
+        pkd::gravity::GravityOptions {
+            method: match self.method {
+                GravityMethod::Auto => pkd::gravity::GravityMethod::Auto,
+                GravityMethod::Direct => pkd::gravity::GravityMethod::Direct,
+                GravityMethod::Tree => pkd::gravity::GravityMethod::Tree,
+            },
+            force_error: self.force_error,
         }
     }
 }
@@ -86,7 +103,10 @@ mod tests {
 
     #[test]
     fn defaults_of_a_scene_are_the_defaults_of_the_crates() {
-        assert_eq!(Contact::default().to_pkd(), pkd::hard_sphere::HardSphereParameters::default());
+        assert_eq!(
+            Contact::default().to_pkd(&GravityOptions::default()),
+            pkd::hard_sphere::HardSphereParameters::default()
+        );
         assert_eq!(Surface::default().to_taco(), taco::Surface::default());
         assert_eq!(Orbit::default().to_taco(), taco::Orbit::default());
         assert_eq!(TorqueOptions::default().to_taco(), taco::Sampling::default());

@@ -118,6 +118,8 @@ pub enum GravityMethod {
     Auto,
     /// Every pair, exact to round-off.
     Direct,
+    /// A tree with expansions, whatever the size.
+    Tree,
 }
 
 /// When a body counts as settled.

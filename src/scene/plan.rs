@@ -5,7 +5,7 @@
 
 use serde::Serialize;
 
-use super::{Body, Contact, Interpolation, MovementRule, Packing, Reflectance, Scene};
+use super::{Body, Contact, GravityMethod, Interpolation, MovementRule, Packing, Reflectance, Scene};
 
 /// What a scene will run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -37,16 +37,36 @@ fn off(name: &'static str, reason: impl Into<String>) -> Part {
     Part { name, on: false, method: None, reason: reason.into() }
 }
 
+fn gravity(scene: &Scene) -> Part {
+    let error = scene.gravity.force_error;
+    let tree = format!("tree with expansions, force error {error:e}");
+    match (scene.gravity.method, &scene.body) {
+        (GravityMethod::Direct, _) => on("gravity", "direct sum over pairs", "gravity.method"),
+        (GravityMethod::Tree, _) => on("gravity", tree, "gravity.method"),
+        (GravityMethod::Auto, Body::PackedEllipsoid(packed))
+            if scene.gravity.to_pkd().is_direct(packed.spheres as usize) =>
+        {
+            on(
+                "gravity",
+                "direct sum over pairs",
+                "exact to round-off and fast at these numbers of spheres; gravity.force_error is not needed",
+            )
+        }
+        (GravityMethod::Auto, Body::PackedEllipsoid(_)) => {
+            on("gravity", tree, "faster than the direct sum at these numbers of spheres")
+        }
+        (GravityMethod::Auto, _) => {
+            on("gravity", format!("direct sum over pairs, or for large bodies {tree}"), "the faster one")
+        }
+    }
+}
+
 impl Plan {
     /// The plan of `scene`.
     pub fn of(scene: &Scene) -> Self {
         let Contact::HardSphere(contact) = &scene.contact;
         let mut parts = vec![body(&scene.body)];
-        parts.push(on(
-            "gravity",
-            "direct sum over pairs",
-            "exact to round-off and fast at these numbers of spheres; gravity.force_error is not needed",
-        ));
+        parts.push(gravity(scene));
         parts.push(on(
             "contacts",
             format!("hard spheres, events within steps of {} s", contact.step_s),

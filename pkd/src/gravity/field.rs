@@ -19,6 +19,11 @@ pub(super) struct Sources {
     pub strength: [f64; BLOCK],
 }
 
+impl Sources {
+    /// What fills up the last block: it pulls nothing and lies outside everything.
+    pub const MASSLESS: Self = Self { at: [[4.0 * RANGE; BLOCK], [0.0; BLOCK], [0.0; BLOCK]], strength: [0.0; BLOCK] };
+}
+
 /// Accelerations of the spheres of a block by component, m/s².
 #[derive(Debug, Clone, Copy, Default)]
 #[repr(C, align(64))]
@@ -36,12 +41,10 @@ pub(super) struct Field {
 impl Field {
     /// Copies positions (m) and masses (kg) in.
     pub fn fill(&mut self, coordinates: [&[f64]; 3], mass: &[f64]) {
-        let largest = coordinates.iter().flat_map(|c| c.iter()).fold(0.0_f64, |m, c| m.max(c.abs()));
-        let scale = scale(largest);
-        let massless = Sources { at: [[4.0 * RANGE; BLOCK], [0.0; BLOCK], [0.0; BLOCK]], strength: [0.0; BLOCK] };
+        let scale = scale(coordinates);
         self.len = mass.len();
         self.blocks.clear();
-        self.blocks.resize(self.len.div_ceil(BLOCK), massless);
+        self.blocks.resize(self.len.div_ceil(BLOCK), Sources::MASSLESS);
         for (b, block) in self.blocks.iter_mut().enumerate() {
             let range = b * BLOCK..self.len.min((b + 1) * BLOCK);
             for (to, from) in block.at.iter_mut().zip(coordinates) {
@@ -60,8 +63,9 @@ fn copy(to: &mut [f64; BLOCK], from: &[f64], factor: f64) {
 /// largest coordinate apart still have a squared distance above the smallest normal `f32`.
 const RANGE: f64 = (1_u64 << 32) as f64;
 
-/// The power of two that takes `largest` into [1/4, 1) of [`RANGE`]; 1 where there is none.
-fn scale(largest: f64) -> f64 {
+/// The power of two that takes the largest coordinate into [1/4, 1) of [`RANGE`]; 1 where there is none.
+pub(super) fn scale(coordinates: [&[f64]; 3]) -> f64 {
+    let largest = coordinates.iter().flat_map(|c| c.iter()).fold(0.0_f64, |m, c| m.max(c.abs()));
     let exponent = 31 - largest.log2().floor() as i32;
     if largest > 0.0 && exponent.abs() < 1000 { 2.0_f64.powi(exponent) } else { 1.0 }
 }

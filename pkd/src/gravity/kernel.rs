@@ -84,102 +84,11 @@ fn pair(field: &Field, [bi, i]: [usize; 2], [bj, j]: [usize; 2], first: usize, a
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
-    use std::arch::x86_64::*;
+    use std::arch::x86_64::{__m256d, __m512d};
 
     use super::super::field::Sources;
+    use super::super::lanes::Lanes;
     use super::*;
-
-    /// A vector register of `f64`.
-    ///
-    /// # Safety
-    /// All functions need the instruction set of the implementing type, and must be inlined into a function that is
-    /// compiled for it. `load` and `store` want `LANES` values that are aligned like a [`Pull`].
-    trait Lanes: Copy {
-        const LANES: usize;
-        unsafe fn splat(value: f64) -> Self;
-        unsafe fn load(from: *const f64) -> Self;
-        unsafe fn store(self, to: *mut f64);
-        unsafe fn minus(self, other: Self) -> Self;
-        unsafe fn times(self, other: Self) -> Self;
-        /// self · factor + addend.
-        unsafe fn times_plus(self, factor: Self, addend: Self) -> Self;
-        /// addend - self · factor.
-        unsafe fn times_from(self, factor: Self, addend: Self) -> Self;
-        /// 1/√self in single precision.
-        unsafe fn inverse_root_guess(self) -> Self;
-    }
-
-    impl Lanes for __m512d {
-        const LANES: usize = 8;
-        #[inline(always)]
-        unsafe fn splat(value: f64) -> Self {
-            unsafe { _mm512_set1_pd(value) }
-        }
-        #[inline(always)]
-        unsafe fn load(from: *const f64) -> Self {
-            unsafe { _mm512_load_pd(from) }
-        }
-        #[inline(always)]
-        unsafe fn store(self, to: *mut f64) {
-            unsafe { _mm512_store_pd(to, self) }
-        }
-        #[inline(always)]
-        unsafe fn minus(self, other: Self) -> Self {
-            unsafe { _mm512_sub_pd(self, other) }
-        }
-        #[inline(always)]
-        unsafe fn times(self, other: Self) -> Self {
-            unsafe { _mm512_mul_pd(self, other) }
-        }
-        #[inline(always)]
-        unsafe fn times_plus(self, factor: Self, addend: Self) -> Self {
-            unsafe { _mm512_fmadd_pd(self, factor, addend) }
-        }
-        #[inline(always)]
-        unsafe fn times_from(self, factor: Self, addend: Self) -> Self {
-            unsafe { _mm512_fnmadd_pd(self, factor, addend) }
-        }
-        #[inline(always)]
-        unsafe fn inverse_root_guess(self) -> Self {
-            unsafe { _mm512_cvtps_pd(_mm256_div_ps(_mm256_set1_ps(1.0), _mm256_sqrt_ps(_mm512_cvtpd_ps(self)))) }
-        }
-    }
-
-    impl Lanes for __m256d {
-        const LANES: usize = 4;
-        #[inline(always)]
-        unsafe fn splat(value: f64) -> Self {
-            unsafe { _mm256_set1_pd(value) }
-        }
-        #[inline(always)]
-        unsafe fn load(from: *const f64) -> Self {
-            unsafe { _mm256_load_pd(from) }
-        }
-        #[inline(always)]
-        unsafe fn store(self, to: *mut f64) {
-            unsafe { _mm256_store_pd(to, self) }
-        }
-        #[inline(always)]
-        unsafe fn minus(self, other: Self) -> Self {
-            unsafe { _mm256_sub_pd(self, other) }
-        }
-        #[inline(always)]
-        unsafe fn times(self, other: Self) -> Self {
-            unsafe { _mm256_mul_pd(self, other) }
-        }
-        #[inline(always)]
-        unsafe fn times_plus(self, factor: Self, addend: Self) -> Self {
-            unsafe { _mm256_fmadd_pd(self, factor, addend) }
-        }
-        #[inline(always)]
-        unsafe fn times_from(self, factor: Self, addend: Self) -> Self {
-            unsafe { _mm256_fnmadd_pd(self, factor, addend) }
-        }
-        #[inline(always)]
-        unsafe fn inverse_root_guess(self) -> Self {
-            unsafe { _mm256_cvtps_pd(_mm_div_ps(_mm_set1_ps(1.0), _mm_sqrt_ps(_mm256_cvtpd_ps(self)))) }
-        }
-    }
 
     pub fn avx512(field: &Field, rows: Range<usize>, acc: &mut [Pull]) {
         #[target_feature(enable = "avx512f,avx2,fma")]
@@ -291,7 +200,7 @@ mod x86 {
             let mut totals = [[0.0; 3]; ROWS];
             for k in 0..ROWS {
                 for c in 0..3 {
-                    totals[k][c] = total(sums[k][c]);
+                    totals[k][c] = sums[k][c].total();
                 }
             }
             totals
@@ -317,13 +226,5 @@ mod x86 {
                 Self { d: [dx, dy, dz], r2, guess: r2.inverse_root_guess() }
             }
         }
-    }
-
-    /// Sum over the lanes, in order.
-    #[inline(always)]
-    unsafe fn total<V: Lanes>(v: V) -> f64 {
-        let mut lanes = Pull::default();
-        unsafe { v.store(lanes.0[0].as_mut_ptr()) };
-        lanes.0[0][..V::LANES].iter().sum()
     }
 }

@@ -20,7 +20,7 @@ pub use parameters::{HardSphereParameters, SlideVelocity};
 pub use repair::{RepairReport, repair_overlaps};
 pub use report::{CollisionCounts, Report};
 
-use crate::gravity::{Accelerations, DirectGravity};
+use crate::gravity::{Accelerations, Gravity};
 use crate::{PkdError, Spheres};
 use drift::Drift;
 
@@ -45,7 +45,7 @@ pub const OVERLAP_LIMIT: f64 = 1e-6;
 #[derive(Debug, Default)]
 pub struct HardSphere {
     parameters: HardSphereParameters,
-    gravity: DirectGravity,
+    gravity: Gravity,
     accelerations: Accelerations,
     drift: Drift,
 }
@@ -53,7 +53,8 @@ pub struct HardSphere {
 impl HardSphere {
     /// An integrator; the parameters are checked when it is used.
     pub fn new(parameters: HardSphereParameters) -> Self {
-        Self { parameters, ..Self::default() }
+        let gravity = Gravity::new(parameters.gravity.unwrap_or_default());
+        Self { parameters, gravity, ..Self::default() }
     }
 
     /// The parameters.
@@ -106,7 +107,7 @@ impl HardSphere {
 
     /// Evaluates gravity at the present positions.
     fn attract(&mut self, spheres: &Spheres, time_s: f64) -> Result<(), PkdError> {
-        if !self.parameters.gravity {
+        if self.parameters.gravity.is_none() {
             return Ok(());
         }
         let Spheres { x, y, z, mass, .. } = spheres;
@@ -122,7 +123,7 @@ impl HardSphere {
 
     /// Lets the present accelerations act for `duration` (s); solid spheres feel no torque from gravity.
     fn kick(&self, spheres: &mut Spheres, duration: f64) {
-        if !self.parameters.gravity {
+        if self.parameters.gravity.is_none() {
             return;
         }
         let a = &self.accelerations;

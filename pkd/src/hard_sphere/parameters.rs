@@ -1,6 +1,7 @@
 //! Parameters of the hard-sphere method, with the values of Cotto-Figueroa et al. 2015 (ApJ 803, 25, section 2.4) as defaults.
 
 use crate::PkdError;
+use crate::gravity::GravityOptions;
 
 /// Which relative speed the slide limit looks at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -35,8 +36,8 @@ pub struct HardSphereParameters {
     /// A sphere that collides more often than this in one step bounces without loss for the rest of it, >= 1
     /// \[10 000\]. Reported when it happens; a hundred times as many stop the run.
     pub max_collisions_per_sphere: u32,
-    /// Whether the spheres attract each other \[true\].
-    pub gravity: bool,
+    /// How the attraction of the spheres is summed, if there is any \[auto at 1e-3\].
+    pub gravity: Option<GravityOptions>,
 }
 
 impl Default for HardSphereParameters {
@@ -49,7 +50,7 @@ impl Default for HardSphereParameters {
             collapse_limit: 1e-5,
             step_s: 50.0,
             max_collisions_per_sphere: 10_000,
-            gravity: true,
+            gravity: Some(GravityOptions::default()),
         }
     }
 }
@@ -74,7 +75,7 @@ impl HardSphereParameters {
                 return Err(PkdError::BadParameter { name, value, allowed });
             }
         }
-        Ok(())
+        self.gravity.map_or(Ok(()), |gravity| gravity.validate())
     }
 }
 
@@ -92,7 +93,14 @@ mod tests {
             ("slide_limit", HardSphereParameters { slide_limit: -0.1, ..good.clone() }),
             ("collapse_limit", HardSphereParameters { collapse_limit: f64::NAN, ..good.clone() }),
             ("step_s", HardSphereParameters { step_s: 0.0, ..good.clone() }),
-            ("max_collisions_per_sphere", HardSphereParameters { max_collisions_per_sphere: 0, ..good }),
+            ("max_collisions_per_sphere", HardSphereParameters { max_collisions_per_sphere: 0, ..good.clone() }),
+            (
+                "force_error",
+                HardSphereParameters {
+                    gravity: Some(GravityOptions { force_error: 0.0, ..GravityOptions::default() }),
+                    ..good
+                },
+            ),
         ];
         for (expected, parameters) in bad {
             match parameters.validate() {
