@@ -2,7 +2,7 @@
 //! `cargo bench -p yorp-pkd --bench soft`.
 //!
 //! The counter is contacts times steps, so 25 Mitem/s are 40 ns per contact and step. Everything a step does is in it:
-//! forces, motion, the field in the body frame and the watch over the lists of neighbours; for `EACH` steps a call also
+//! forces, motion, the field in the body frame and the watch over the lists of neighbours; each call of some hundred steps also
 //! pays once for laying out the spheres, listing the neighbours and evaluating gravity, as any call does.
 
 use divan::{Bencher, counter::ItemsCount};
@@ -22,21 +22,25 @@ fn main() {
     divan::main();
 }
 
-/// Random spheres that have fallen together under their own gravity, smooth and strongly damped, until they have about six
-/// contacts each.
+fn packed(count: usize, axis_ratio: f64) -> Spheres {
+    ellipsoid_packing(&EllipsoidPacking {
+        count,
+        grain: Grain { radius: 50.2, density: 2960.0 },
+        b_over_a: axis_ratio,
+        c_over_a: axis_ratio,
+        packing_fraction: PACKING_FRACTION,
+        seed: Seed::default(),
+    })
+    .expect("a valid packing")
+}
+
+/// Random spheres at rest, which have fallen together under their own gravity, smooth and strongly damped: about five
+/// contacts each, and a shape that needs no friction.
 fn dense(count: usize) -> &'static Spheres {
     static BODIES: [OnceLock<Spheres>; 3] = [const { OnceLock::new() }; 3];
     let cell = SIZES.iter().position(|size| *size == count).expect("one of the sizes");
     BODIES[cell].get_or_init(|| {
-        let mut body = ellipsoid_packing(&EllipsoidPacking {
-            count,
-            grain: Grain { radius: 50.2, density: 2960.0 },
-            b_over_a: 0.9,
-            c_over_a: 0.9,
-            packing_fraction: PACKING_FRACTION,
-            seed: Seed::default(),
-        })
-        .expect("a valid packing");
+        let mut body = packed(count, 1.0);
         let mut smooth = SoftSphere::new(SoftSphereParameters {
             restitution: 0.2,
             max_overlap: 0.1,
@@ -45,25 +49,21 @@ fn dense(count: usize) -> &'static Spheres {
             skin: 0.05,
             ..SoftSphereParameters::frictionless()
         });
-        for k in 0..10 {
-            let report = smooth.evolve(&mut body, 400.0).expect("it falls together");
-            eprintln!("{count} {k} {report:?}");
-            if report.contacts_per_sphere > 5.5 {
-                break;
-            }
+        for _ in 0..10 {
+            smooth.evolve(&mut body, 400.0).expect("it falls together");
+            set_rigid_rotation(&mut body, Vector3::zeros()).expect("a valid body");
         }
-        set_rigid_rotation(&mut body, Vector3::z() * (std::f64::consts::TAU / PERIOD)).expect("a valid body");
         body
     })
 }
 
-/// Times `steps` steps of a model.
+/// Times some steps of a model.
 fn contacts(bencher: Bencher, count: usize, friction: Friction, threads: usize) {
     let body = dense(count);
     let parameters = SoftSphereParameters { friction, max_overlap: 0.1, ..SoftSphereParameters::zhang_2017() };
     let mut soft = SoftSphere::new(parameters);
     let stiffness = soft.stiffness(body).expect("a valid body");
-    let duration = stiffness.step_s * (2_000_000 / count).max(100) as f64;
+    let duration = stiffness.step_s * (2_000_000 / count).max(200) as f64;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
     let mut stretch = |mut body: Spheres| {
         soft.set_history(ContactHistory::default());
@@ -96,4 +96,35 @@ fn full_model(bencher: Bencher, count: usize) {
 #[divan::bench(args = [10_000, 40_000], sample_count = 5, sample_size = 1)]
 fn full_model_on_two_threads(bencher: Bencher, count: usize) {
     contacts(bencher, count, full(), 2);
+}
+
+/// A packing that has settled for two rotations with full friction, and the history of its contacts.
+fn settled() -> &'static (Spheres, ContactHistory, f64) {
+    static BODY: OnceLock<(Spheres, ContactHistory, f64)> = OnceLock::new();
+    BODY.get_or_init(|| {
+        let mut body = packed(1000, 0.7);
+        set_rigid_rotation(&mut body, Vector3::z() * (std::f64::consts::TAU / PERIOD)).expect("a valid body");
+        let mut soft = SoftSphere::default();
+        let stiffness = soft.stiffness(&body).expect("a valid body").normal_n_m;
+        soft = SoftSphere::new(SoftSphereParameters { normal_stiffness_n_m: Some(stiffness), ..Default::default() });
+        soft.evolve(&mut body, 2.0 * PERIOD).expect("it settles");
+        (body, soft.history().clone(), stiffness)
+    })
+}
+
+/// One rotation with the defaults.
+#[divan::bench(sample_count = 3, sample_size = 1)]
+fn rotation_of_a_thousand(bencher: Bencher) {
+    let (body, history, stiffness) = settled();
+    let parameters = SoftSphereParameters { normal_stiffness_n_m: Some(*stiffness), ..Default::default() };
+    let mut soft = SoftSphere::new(parameters);
+    let mut turn = |mut body: Spheres| {
+        soft.set_history(history.clone());
+        soft.evolve(&mut body, PERIOD).expect("a rotation")
+    };
+    let report = turn(body.clone());
+    bencher
+        .counter(ItemsCount::new(report.contacts * report.steps))
+        .with_inputs(|| body.clone())
+        .bench_local_values(turn);
 }

@@ -28,18 +28,23 @@ pub(super) struct Kernels {
 }
 
 /// Where kernels can run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd)]
 pub(super) enum Processor {
     Any,
     #[cfg(target_arch = "x86_64")]
     Avx2,
+    /// AVX2 with twice as many registers.
+    #[cfg(target_arch = "x86_64")]
+    Avx512,
 }
 
 impl Processor {
     pub fn present() -> Self {
         #[cfg(target_arch = "x86_64")]
         if std::arch::is_x86_feature_detected!("avx2") {
-            return Self::Avx2;
+            let more =
+                std::arch::is_x86_feature_detected!("avx512f") && std::arch::is_x86_feature_detected!("avx512vl");
+            return if more { Self::Avx512 } else { Self::Avx2 };
         }
         Self::Any
     }
@@ -49,9 +54,9 @@ impl Kernels {
     /// The kernels for these parameters and kind of field.
     ///
     /// # Panics
-    /// If the processor is not the present one.
+    /// If the present processor cannot run them.
     pub fn new(processor: Processor, parameters: &SoftSphereParameters, field: u8) -> Self {
-        assert!(processor == Processor::Any || processor == Processor::present(), "kernels that can run here");
+        assert!(processor <= Processor::present(), "kernels that can run here");
         let model = model(&parameters.friction);
         let contacts = choose_contacts(processor, model, parameters.cohesion_pa > 0.0, parameters.ledger);
         Self { contacts, advance: choose_advance(processor, model, field) }
@@ -81,6 +86,8 @@ fn contacts_on<const MODEL: u8, const COHESIVE: bool, const LEDGER: bool>(proces
         Processor::Any => contacts::<Plain, MODEL, COHESIVE, LEDGER>,
         #[cfg(target_arch = "x86_64")]
         Processor::Avx2 => x86::contacts::<MODEL, COHESIVE, LEDGER>,
+        #[cfg(target_arch = "x86_64")]
+        Processor::Avx512 => x86::contacts_512::<MODEL, COHESIVE, LEDGER>,
     }
 }
 
@@ -100,7 +107,7 @@ fn advance_on<const MODEL: u8, const FIELD: u8>(processor: Processor) -> Advance
     match processor {
         Processor::Any => advance::<Plain, MODEL, FIELD>,
         #[cfg(target_arch = "x86_64")]
-        Processor::Avx2 => x86::advance::<MODEL, FIELD>,
+        Processor::Avx2 | Processor::Avx512 => x86::advance::<MODEL, FIELD>,
     }
 }
 
@@ -112,6 +119,16 @@ mod x86 {
 
     #[target_feature(enable = "avx2")]
     pub(super) unsafe fn contacts<const MODEL: u8, const COHESIVE: bool, const LEDGER: bool>(
+        law: &Coefficients,
+        step: f64,
+        records: &[Quad],
+        chunk: &mut Chunk,
+    ) {
+        unsafe { super::contacts::<Avx2, MODEL, COHESIVE, LEDGER>(law, step, records, chunk) }
+    }
+
+    #[target_feature(enable = "avx2,avx512f,avx512vl")]
+    pub(super) unsafe fn contacts_512<const MODEL: u8, const COHESIVE: bool, const LEDGER: bool>(
         law: &Coefficients,
         step: f64,
         records: &[Quad],

@@ -115,15 +115,17 @@ pub(super) unsafe fn contacts<V: Lanes, const MODEL: u8, const COHESIVE: bool, c
             }
 
             if MODEL != FRICTIONLESS {
-                // Lever arms: l_i = d/2 - e, l_j = d/2 + e.
+                // Lever arms: l_i = d/2 - e, l_j = d/2 + e. Between equal spheres, e = 0, some terms need no computing.
                 let (arm, e) = (half * d, half * s * dr * inverse);
+                let differ = zero.less(dr.abs()).any();
+                let arms = (arm, e, differ);
                 let (w_sum, w_dif) = sum_and_difference::<V>(pi, pj, record::PREDICTED_SPIN);
-                let u = (dv - n.times(u_n)) - (w_sum.times(arm) + w_dif.times(e)).cross(n);
+                let u = (dv - n.times(u_n)) - weighted(w_sum, w_dif, arms).cross(n);
 
                 // The same in the middle of the step, and the direction at its start.
                 let dv = difference::<V>(pi, pj, record::VELOCITY);
                 let (w_sum_mid, w_dif_mid) = sum_and_difference::<V>(pi, pj, record::SPIN);
-                let u_mid = (dv - n.times(dv.dot(n))) - (w_sum_mid.times(arm) + w_dif_mid.times(e)).cross(n);
+                let u_mid = (dv - n.times(dv.dot(n))) - weighted(w_sum_mid, w_dif_mid, arms).cross(n);
                 let old = r - dv.times(h);
                 let old2 = old.dot(old);
                 let was = old2.less(s * s);
@@ -179,11 +181,14 @@ pub(super) unsafe fn contacts<V: Lanes, const MODEL: u8, const COHESIVE: bool, c
                     let q = V::load(field.add(LANES));
                     let q2 = q * q;
                     let width = q * load;
-                    let unequal = e / (arm * arm - e * e);
                     let twist = w_dif.dot(n);
                     let twist_mid = w_dif_mid.dot(n);
-                    let roll = w_dif - n.times(twist) + n.cross(u).times(unequal);
-                    let roll_mid = w_dif_mid - n.times(twist_mid) + n.cross(u_mid).times(unequal);
+                    let (mut roll, mut roll_mid) = (w_dif - n.times(twist), w_dif_mid - n.times(twist_mid));
+                    if differ {
+                        let unequal = e / (arm * arm - e * e);
+                        roll = roll + n.cross(u).times(unequal);
+                        roll_mid = roll_mid + n.cross(u_mid).times(unequal);
+                    }
 
                     let (k_r, c_r) = (V::splat(law.k_r) * q2, V::splat(law.c_r) * q2 * sqrt_mu);
                     let limit = V::splat(law.m_r) * width;
@@ -316,6 +321,13 @@ pub(super) unsafe fn contacts<V: Lanes, const MODEL: u8, const COHESIVE: bool, c
             }
         }
     }
+}
+
+/// l_i w_i + l_j w_j from the sum and difference of the spins, half the distance, half the difference of the lever arms and
+/// whether that is anything but zero.
+#[inline(always)]
+fn weighted<V: Lanes>(sum: Vector<V>, difference: Vector<V>, (arm, e, differ): (V, V, bool)) -> Vector<V> {
+    if differ { sum.times(arm) + difference.times(e) } else { sum.times(arm) }
 }
 
 /// `value` where `size` is more than nothing, 0 elsewhere: what a vector without a direction gives.

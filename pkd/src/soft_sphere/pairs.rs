@@ -48,8 +48,6 @@ pub(super) struct Chunk {
     /// Deepest overlap seen, over the smaller radius.
     pub deepest: f64,
     pub heat: Heat,
-    /// Pairs that are no filling.
-    pub count: usize,
 }
 
 /// All chunks of a body.
@@ -60,11 +58,13 @@ pub(super) struct Pairs {
     pub foreign: Vec<Vec<Quad>>,
     model: u8,
     cohesive: bool,
+    /// Row of the sphere that fills up fours.
+    nobody: u32,
 }
 
 impl Pairs {
     pub fn new(model: u8, cohesive: bool) -> Self {
-        Self { chunks: Vec::new(), foreign: Vec::new(), model, cohesive }
+        Self { model, cohesive, ..Self::default() }
     }
 
     /// Replaces the pairs by `near` (i < j, sorted) of the first `n` spheres that have records, giving each what
@@ -77,75 +77,70 @@ impl Pairs {
         records: &[Quad],
         law: &Coefficients,
     ) {
-        let quads = record::quads(self.model);
+        self.nobody = n as u32;
         self.chunks.resize_with(n.div_ceil(CHUNK), Chunk::default);
         self.foreign.resize_with(n.div_ceil(CHUNK), Vec::new);
-        let mut remembered = remembered.iter().peekable();
-        let mut near = near.iter().copied().peekable();
+        let quads = record::quads(self.model);
+        let width = record::sums(self.model);
         // Places of the foreign spheres in the sums of the chunk at hand.
         let mut place = vec![u32::MAX; n];
         let mut incoming: Vec<Vec<Incoming>> = vec![Vec::new(); self.chunks.len()];
-        let (constants, fields) =
-            (record::constants(self.model, self.cohesive), record::fields(self.model, self.cohesive));
-
-        for (c, chunk) in self.chunks.iter_mut().enumerate() {
+        let (mut near, mut separate) = (near, Vec::new());
+        for c in 0..self.chunks.len() {
             let own = c * CHUNK..n.min((c + 1) * CHUNK);
+            let (here, rest) = near.split_at(near.partition_point(|(i, _)| (*i as usize) < own.end));
+            near = rest;
             let mut foreign: Vec<u32> = Vec::new();
+            let mut sum_of = |s: u32| {
+                if (s as usize) < own.end {
+                    return s - own.start as u32;
+                }
+                if place[s as usize] == u32::MAX {
+                    place[s as usize] = (own.len() + foreign.len()) as u32;
+                    foreign.push(s);
+                }
+                place[s as usize]
+            };
+            let mut chunk = std::mem::take(&mut self.chunks[c]);
             chunk.index.clear();
             chunk.fields.clear();
-            (chunk.count, chunk.own) = (0, own.len());
-            while let Some((i, j)) = near.next_if(|(i, _)| (*i as usize) < own.end) {
-                let sum_j = if (j as usize) < own.end {
-                    j - own.start as u32
+            chunk.own = own.len();
+            separate.clear();
+            let mut lane = 0;
+            // Pairs that touch come first: fours that do not are passed over quickly.
+            for &(i, j) in here {
+                let [one, other] = [i, j].map(|s| &records[s as usize * quads + record::PLACE]);
+                if (other.xyz() - one.xyz()).norm() < one.0[3] + other.0[3] {
+                    let sums = [sum_of(i), sum_of(j)];
+                    self.push(&mut chunk, &mut lane, (i, j), sums, remembered, records, law);
                 } else {
-                    if place[j as usize] == u32::MAX {
-                        place[j as usize] = (own.len() + foreign.len()) as u32;
-                        foreign.push(j);
-                    }
-                    place[j as usize]
-                };
-                let lane = chunk.count % LANES;
-                if lane == 0 {
-                    chunk.index.push(Four {
-                        i: [i; LANES],
-                        j: [n as u32; LANES],
-                        sum_i: [0; LANES],
-                        sum_j: [0; LANES],
-                    });
-                    chunk.fields.extend(std::iter::repeat_n(Quad::default(), fields));
+                    separate.push((i, j));
                 }
-                let four = chunk.index.last_mut().expect("one was pushed for the first lane");
-                (four.i[lane], four.j[lane], four.sum_i[lane], four.sum_j[lane]) = (i, j, i - own.start as u32, sum_j);
-                let at = chunk.fields.len() - fields;
-                let fields = &mut chunk.fields[at..];
-                self::constants(self.model, self.cohesive, law, [i, j].map(|s| &records[s as usize * quads..]))
-                    .into_iter()
-                    .zip(&mut *fields)
-                    .for_each(|(value, quad)| quad.0[lane] = value);
-                while remembered.next_if(|m| (m.first, m.second) < (i, j)).is_some() {}
-                if let Some(m) = remembered.next_if(|m| (m.first, m.second) == (i, j)) {
-                    let memory = fields[constants..].iter_mut().map(|quad| &mut quad.0[lane]);
-                    put_memory(self.model, m, memory);
-                }
-                chunk.count += 1;
+            }
+            lane = 0;
+            for &(i, j) in &separate {
+                let sums = [sum_of(i), sum_of(j)];
+                self.push(&mut chunk, &mut lane, (i, j), sums, remembered, records, law);
             }
             let nobody = (own.len() + foreign.len()) as u32;
-            if chunk.count % LANES > 0 {
-                let four = chunk.index.last_mut().expect("there are pairs");
-                for lane in chunk.count % LANES..LANES {
-                    (four.sum_i[lane], four.sum_j[lane]) = (nobody, nobody);
+            for four in &mut chunk.index {
+                for lane in 0..LANES {
+                    if four.j[lane] == self.nobody {
+                        (four.sum_i[lane], four.sum_j[lane]) = (nobody, nobody);
+                    }
                 }
             }
             chunk.sums.clear();
             // Spheres move in fours, so the last may read beyond the own ones.
-            chunk.sums.resize((nobody as usize + LANES) * record::sums(self.model), Quad::default());
+            chunk.sums.resize((nobody as usize + LANES) * width, Quad::default());
             for (sum, &j) in foreign.iter().enumerate() {
                 let (home, sphere) = (j as usize / CHUNK, j % CHUNK as u32);
                 incoming[home].push(Incoming { sphere, chunk: c as u32, sum: sum as u32 });
                 place[j as usize] = u32::MAX;
             }
             self.foreign[c].clear();
-            self.foreign[c].resize(foreign.len() * record::sums(self.model), Quad::default());
+            self.foreign[c].resize(foreign.len() * width, Quad::default());
+            self.chunks[c] = chunk;
         }
         for (chunk, mut incoming) in self.chunks.iter_mut().zip(incoming) {
             incoming.sort_unstable();
@@ -153,16 +148,53 @@ impl Pairs {
         }
     }
 
+    /// Appends a pair to a chunk; `lane` is the place in the last four, 0 for a new one.
+    #[expect(clippy::too_many_arguments, reason = "the loop body of `fill`, which has it twice")]
+    fn push(
+        &self,
+        chunk: &mut Chunk,
+        lane: &mut usize,
+        (i, j): (u32, u32),
+        [sum_i, sum_j]: [u32; 2],
+        remembered: &[Contact],
+        records: &[Quad],
+        law: &Coefficients,
+    ) {
+        let quads = record::quads(self.model);
+        let (constants, width) =
+            (record::constants(self.model, self.cohesive), record::fields(self.model, self.cohesive));
+        if *lane == 0 {
+            let filling = Four { i: [i; LANES], j: [self.nobody; LANES], sum_i: [0; LANES], sum_j: [0; LANES] };
+            chunk.index.push(filling);
+            chunk.fields.extend(std::iter::repeat_n(Quad::default(), width));
+        }
+        let four = chunk.index.last_mut().expect("one was pushed for the first lane");
+        (four.i[*lane], four.j[*lane], four.sum_i[*lane], four.sum_j[*lane]) = (i, j, sum_i, sum_j);
+        let at = chunk.fields.len() - width;
+        let fields = &mut chunk.fields[at..];
+        self::constants(self.model, self.cohesive, law, [i, j].map(|s| &records[s as usize * quads..]))
+            .into_iter()
+            .zip(&mut *fields)
+            .for_each(|(value, quad)| quad.0[*lane] = value);
+        if let Ok(m) = remembered.binary_search_by_key(&(i, j), |m| (m.first, m.second)) {
+            let memory = fields[constants..].iter_mut().map(|quad| &mut quad.0[*lane]);
+            put_memory(self.model, &remembered[m], memory);
+        }
+        *lane = (*lane + 1) % LANES;
+    }
+
     /// Calls `visit` with the rows and the memory of every pair.
     pub fn visit(&self, mut visit: impl FnMut(Contact)) {
         let (constants, fields) =
             (record::constants(self.model, self.cohesive), record::fields(self.model, self.cohesive));
         for chunk in &self.chunks {
-            for pair in 0..chunk.count {
-                let (block, lane) = (pair / LANES, pair % LANES);
-                let four = &chunk.index[block];
-                let memory = &chunk.fields[block * fields + constants..(block + 1) * fields];
-                visit(get_memory(self.model, four.i[lane], four.j[lane], |k| memory[k].0[lane]));
+            for (four, fields) in chunk.index.iter().zip(chunk.fields.chunks_exact(fields)) {
+                for lane in 0..LANES {
+                    if four.j[lane] != self.nobody {
+                        let memory = |k: usize| fields[constants + k].0[lane];
+                        visit(get_memory(self.model, four.i[lane], four.j[lane], memory));
+                    }
+                }
             }
         }
     }
@@ -177,6 +209,7 @@ impl Pairs {
                 }
             });
         }
+        contacts.sort_unstable_by_key(|c| (c.first, c.second));
         contacts
     }
 

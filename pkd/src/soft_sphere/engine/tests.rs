@@ -235,6 +235,10 @@ fn plain_kernels_give_the_bytes_of_the_vector_ones() {
                 let plain = on(Processor::Any);
                 assert!(plain.2.contacts > 10, "{:?}", plain.2);
                 assert_eq!(plain, on(Processor::present()));
+                #[cfg(target_arch = "x86_64")]
+                if Processor::Avx2 < Processor::present() {
+                    assert_eq!(plain, on(Processor::Avx2));
+                }
             }
         }
     }
