@@ -1,10 +1,11 @@
-//! What light that facets send to one another does to the torque of a body that stores no heat.
+//! What light that facets send to one another does to the torque of a body.
 
 mod common;
 
 use common::{bumpy, centred, distance, lambert, off, peak, rings, table};
 use nalgebra::Rotation3;
-use taco::{Orbit, Reflectance, SelfHeating, Surface, TorqueTable};
+use std::f64::consts::TAU;
+use taco::{Orbit, Reflectance, Sampling, SelfHeating, SpinRates, Surface, TorqueTable, torque_table};
 use tiling::Mesh;
 
 fn heated(self_heating: SelfHeating) -> Surface {
@@ -111,12 +112,70 @@ fn results_do_not_depend_on_the_number_of_threads() {
 fn azimuth_error_covers_the_view_factors() {
     let mesh = bowl(400);
     let at = |azimuth_bins| {
-        let sampling = taco::Sampling { azimuth_bins, ..taco::Sampling::default() };
-        taco::torque_table(&mesh, &heated(SelfHeating::Multiple), &Orbit::default(), &sampling).expect("a valid mesh")
+        let sampling = Sampling { azimuth_bins, ..Sampling::default() };
+        torque_table(&mesh, &heated(SelfHeating::Multiple), &Orbit::default(), &sampling).expect("a valid mesh")
     };
     let (coarse, fine) = (at(64), at(512));
     let estimate = coarse.error.parts.iter().find(|part| part.name == "azimuth_bins").expect("shaded").spin_torque_n_m;
     let actual = distance(&coarse.spin_torque_n_m[0], &fine.spin_torque_n_m[0]);
     println!("estimate {estimate:e}, actual {actual:e}");
     assert!(actual < 2.0 * estimate, "{actual:e} {estimate:e}");
+}
+
+const SIX_HOURS: f64 = TAU / 21_600.0;
+
+/// With conducted heat, at these spin rates.
+fn dusty(mesh: &Mesh, thermal_inertia: f64, self_heating: SelfHeating, rates: &[f64]) -> TorqueTable {
+    let surface = Surface { thermal_inertia, ..heated(self_heating) };
+    let sampling =
+        Sampling { spin_rates: SpinRates::ListRadS(rates.to_vec()), declination_nodes: 13, ..Sampling::default() };
+    torque_table(mesh, &surface, &Orbit::default(), &sampling).expect("a valid mesh")
+}
+
+#[test]
+fn convex_bodies_with_heat_do_not_notice() {
+    let mesh = centred(tiling::fibonacci::unit_sphere(60).expect("enough vertices"));
+    let none = dusty(&mesh, 200.0, SelfHeating::None, &[SIX_HOURS]);
+    assert_eq!(none, dusty(&mesh, 200.0, SelfHeating::Multiple, &[SIX_HOURS]));
+}
+
+/// Whatever is conducted has no mean and walks like all other light, so the spin torque is that without inertia.
+#[test]
+fn conducted_heat_leaves_the_spin_torque_and_the_limit_of_no_inertia() {
+    let mesh = bowl(200);
+    let sampling = Sampling { declination_nodes: 13, ..Sampling::default() };
+    let cold = torque_table(&mesh, &heated(SelfHeating::Multiple), &Orbit::default(), &sampling).expect("a valid mesh");
+    let warm = dusty(&mesh, 200.0, SelfHeating::Multiple, &[0.0, 0.5 * SIX_HOURS, SIX_HOURS]);
+    let alone = dusty(&mesh, 200.0, SelfHeating::None, &[SIX_HOURS]);
+    for spin in &warm.spin_torque_n_m {
+        assert_eq!(*spin, cold.spin_torque_n_m[0]);
+    }
+    assert_eq!(warm.obliquity_torque_n_m[0], cold.obliquity_torque_n_m[0]);
+    let scale = peak(&warm.obliquity_torque_n_m[2]);
+    assert!(distance(&warm.obliquity_torque_n_m[2], &cold.obliquity_torque_n_m[0]) > 0.05 * scale);
+    assert!(distance(&warm.obliquity_torque_n_m[2], &alone.obliquity_torque_n_m[0]) > 0.02 * scale);
+    let least = dusty(&mesh, 1e-3, SelfHeating::Multiple, &[SIX_HOURS]);
+    assert!(distance(&least.obliquity_torque_n_m[0], &cold.obliquity_torque_n_m[0]) < 1e-4 * scale);
+    assert!(peak(&warm.transverse_force_n[2]) > 0.0);
+}
+
+/// The coupling is settled to its tolerance from wherever it starts: one spin rate alone, or along a table.
+#[test]
+fn spin_rates_before_do_not_matter() {
+    let mesh = bowl(200);
+    let along = dusty(&mesh, 200.0, SelfHeating::Multiple, &[0.1 * SIX_HOURS, 0.4 * SIX_HOURS, SIX_HOURS]);
+    let alone = dusty(&mesh, 200.0, SelfHeating::Multiple, &[SIX_HOURS]);
+    let off = distance(&along.obliquity_torque_n_m[2], &alone.obliquity_torque_n_m[0]);
+    println!("{:e}", off / peak(&alone.obliquity_torque_n_m[0]));
+    assert!(off < 2e-3 * peak(&alone.obliquity_torque_n_m[0]), "{off:e}");
+}
+
+#[test]
+fn results_with_heat_do_not_depend_on_the_number_of_threads() {
+    let mesh = bumpy(100);
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        pool.install(|| dusty(&mesh, 200.0, SelfHeating::Multiple, &[SIX_HOURS]))
+    };
+    assert_eq!(on(1), on(3));
 }

@@ -4,17 +4,16 @@
 //! follows the photometric model. A facet that stores no heat emits what it absorbs at once. Then the fate of light is a
 //! walk from facet to facet that does not depend on its wavelength, on albedo, emissivity or time, and what a facet's light
 //! does to the body in the end is one vector ([`Wrench`]) a facet, the same for all positions of the Sun: self-heating costs
-//! the view factors and one sparse linear system. Pairs of facets exert no net force on each other, so only light that
+//! the view factors and one sparse linear system. Where the ground stores heat, what it conducts leaves from the facet
+//! later and then walks likewise; only how much is conducted has to be found with all facets coupled ([`Coupled`]). Pairs of facets exert no net force on each other, so only light that
 //! escapes counts; energy is conserved photon by photon, whatever the accuracy of the view factors.
 
-#[allow(dead_code)]
-pub(crate) mod coupling;
-#[allow(dead_code)]
+mod body;
+mod coupling;
 mod harmonics;
 mod scattering;
 mod views;
-#[allow(dead_code)]
-pub(crate) mod warmth;
+mod warmth;
 mod wrench;
 
 use crate::facets::Facet;
@@ -22,6 +21,7 @@ use crate::horizon::{Horizon, HorizonMap};
 use crate::scanner::Scanner;
 use crate::sky::sky_view;
 use crate::surface::SelfHeating;
+pub(crate) use body::Coupled;
 use coupling::Members;
 pub(crate) use scattering::Scattering;
 use views::Views;
@@ -30,8 +30,8 @@ pub(crate) use wrench::Wrench;
 /// What the exchange of light between the facets of a body does to it.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Exchange {
-    pub views: Views,
-    pub members: Members,
+    views: Views,
+    members: Members,
     /// By facet: with all azimuths of the horizon map, and with every other one.
     wrenches: [Vec<Wrench>; 2],
 }

@@ -78,6 +78,10 @@ impl<'a, S: Sunlight> Warmth<'a, S> {
     /// What the members conduct at a thermal parameter, each balance solved to `tolerance` of its mean flux. What was
     /// found for another parameter is where it starts from.
     pub fn conducted(&mut self, theta: f64, tolerance: f64) -> Conducted {
+        if theta == 0.0 {
+            let harmonics = vec![[0.0; 2]; self.exchange.members.facets.len() * self.declinations];
+            return Conducted { declinations: self.declinations, harmonics };
+        }
         self.coupling.settle(theta);
         for _ in 0..PASSES {
             let off = self.pass(theta, tolerance);

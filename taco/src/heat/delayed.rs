@@ -9,7 +9,7 @@
 use crate::body::{Body, CHUNK};
 use crate::day::{Day, emission_vector};
 use crate::declination::Declinations;
-use crate::exchange::{Azimuths, Scattering};
+use crate::exchange::{Azimuths, Coupled, Scattering};
 use crate::facets::Facet;
 use crate::heat::conduction::Conduction;
 use crate::heat::cubic_weights;
@@ -21,7 +21,7 @@ use rayon::prelude::*;
 use std::f64::consts::PI;
 
 /// Root mean square of what is left of the energy balance, relative to the mean; the harmonic is good to a tenth of it.
-const TOLERANCE: f64 = 1e-4;
+pub(crate) const TOLERANCE: f64 = 1e-4;
 /// Latitudes of the table for open facets, from pole to pole; it is made if that many of them are twice as many.
 const LATITUDES: usize = 181;
 
@@ -45,13 +45,15 @@ struct Worker<'a, K> {
 }
 
 impl Delayed {
-    /// The responses of the facets in `chosen` for each thermal parameter in `thetas`, with `cells` cells of local time.
+    /// The responses of the facets in `chosen` for each thermal parameter in `thetas`, with `cells` cells of local time;
+    /// `coupled` has what facets conduct that light and warm one another, for the same parameters.
     pub fn responses<K: RecoilKernel>(
         body: &Body<'_, K>,
         chosen: &[usize],
         declinations: &Declinations,
         thetas: &[f64],
         cells: usize,
+        coupled: Option<&Coupled>,
     ) -> Vec<Self> {
         let m = declinations.len();
         let is_open = |f: &&usize| body.shading.is_none_or(|s| s.map.horizon(**f).is_none());
@@ -83,11 +85,17 @@ impl Delayed {
                                 Emission::followed(part, wrench, share)
                             }
                         };
-                        let add = |t: usize, j: usize, conducted: [f64; 2]| {
+                        let mut add = |t: usize, j: usize, conducted: [f64; 2]| {
                             let less = conducted.map(|q| -q);
                             rest[2 * (t * m + j)] += emission.along_sun(less);
                             rest[2 * (t * m + j) + 1] += emission.transverse(less);
                         };
+                        if let Some(conducted) = coupled.and_then(|c| c.of(f)) {
+                            for (t, conducted) in conducted.enumerate() {
+                                conducted.iter().enumerate().for_each(|(j, q)| add(t, j, q.map(f64::from)));
+                            }
+                            return;
+                        }
                         match &table {
                             Some(table) if shadows.is_none() => interpolate(table, part, m * thetas.len(), m, add),
                             _ => worker.harmonics(part, shadows, thetas, add),

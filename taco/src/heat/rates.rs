@@ -2,7 +2,8 @@
 
 use crate::body::Body;
 use crate::declination::Declinations;
-use crate::heat::delayed::Delayed;
+use crate::exchange::Coupled;
+use crate::heat::delayed::{Delayed, TOLERANCE};
 use crate::heat::flux::{FluxNode, flux_nodes, unit_thermal_parameter};
 use crate::heat::wall::{Walls, parameters};
 use crate::orbit::Orbit;
@@ -59,7 +60,8 @@ impl<'a> Heat<'a> {
         if self.thermal_inertia > 0.0 {
             let thetas: Vec<f64> = self.spin_rates.iter().flat_map(|omega| self.thetas(*omega)).collect();
             let all: Vec<usize> = (0..body.facets.len()).collect();
-            let delayed = Delayed::responses(body, &all, declinations, &thetas, self.cells);
+            let coupled = Coupled::new(body, declinations, &thetas, self.cells, TOLERANCE);
+            let delayed = Delayed::responses(body, &all, declinations, &thetas, self.cells, coupled.as_ref());
             for (rate, response) in delayed.chunks(self.fluxes.len()).zip(&mut responses) {
                 let mut force = vec![0.0; declinations.len()];
                 for (delayed, node) in rate.iter().zip(&self.fluxes) {
@@ -104,7 +106,8 @@ impl<'a> Heat<'a> {
         }
     }
 
-    /// What halving the number of cells adds to the response, at the middle spin rate: from a sample of the facets.
+    /// What halving the number of cells adds to the response, at the middle spin rate: from a sample of the facets,
+    /// without light from one to another.
     pub fn coarser_cells<K: RecoilKernel>(&self, body: &Body<'_, K>, declinations: &Declinations) -> Vec<f64> {
         let mut response = vec![0.0; 2 * declinations.len()];
         if self.thermal_inertia == 0.0 {
@@ -114,7 +117,7 @@ impl<'a> Heat<'a> {
         let sample: Vec<usize> = (0..body.facets.len()).step_by(stride).collect();
         let scale = body.facets.len() as f64 / sample.len() as f64;
         let thetas: Vec<f64> = self.thetas(self.spin_rates[self.spin_rates.len() / 2]).collect();
-        let at = |cells| Delayed::responses(body, &sample, declinations, &thetas, cells);
+        let at = |cells| Delayed::responses(body, &sample, declinations, &thetas, cells, None);
         // An even number, as close to half as there is.
         for ((fine, coarse), node) in at(self.cells).iter().zip(&at(self.cells / 4 * 2)).zip(&self.fluxes) {
             for j in 0..declinations.len() {
