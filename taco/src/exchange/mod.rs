@@ -5,8 +5,11 @@
 //! walk from facet to facet that does not depend on its wavelength, on albedo, emissivity or time, and what a facet's light
 //! does to the body in the end is one vector ([`Wrench`]) a facet, the same for all positions of the Sun: self-heating costs
 //! the view factors and one sparse linear system. Where the ground stores heat, what it conducts leaves from the facet
-//! later and then walks likewise; only how much is conducted has to be found with all facets coupled ([`Coupled`]). Pairs of facets exert no net force on each other, so only light that
-//! escapes counts; energy is conserved photon by photon, whatever the accuracy of the view factors.
+//! later and then walks likewise; only how much is conducted has to be found with all facets coupled ([`Coupled`]). Pairs of
+//! facets exert no net force on each other, so only light that escapes counts; energy is conserved photon by photon, whatever
+//! the accuracy of the view factors.
+//!
+//! View factors are those of the facets' centroids, whatever the number of points from which shadows are seen.
 
 mod body;
 mod coupling;
