@@ -9,4 +9,5 @@ pub mod cli;
 pub mod evolve;
 pub mod exchange;
 pub mod scene;
+pub mod shed;
 pub mod store;

@@ -10,6 +10,7 @@ mod figure;
 mod hard_sphere_step;
 mod page;
 mod sampling;
+mod shed_orbit;
 mod spin;
 
 use serde::Serialize;
@@ -117,6 +118,9 @@ pub enum AccuracyError {
     /// The body cannot be tiled.
     #[error("the body cannot be tiled: {0}")]
     Tiling(#[from] tiling::TilingError),
+    /// Shed bodies cannot be followed.
+    #[error("shed bodies cannot be followed: {0}")]
+    Shed(#[from] crate::shed::ShedError),
     /// The torques cannot be computed.
     #[error("the torques cannot be computed: {0}")]
     Torque(#[from] taco::TacoError),
@@ -126,7 +130,7 @@ pub enum AccuracyError {
 }
 
 /// Every knob there is, in the order of the hand-off loop.
-pub fn knobs() -> [&'static dyn Knob; 7] {
+pub fn knobs() -> [&'static dyn Knob; 9] {
     [
         &hard_sphere_step::HardSphereStep,
         &facets::Facets,
@@ -135,6 +139,8 @@ pub fn knobs() -> [&'static dyn Knob; 7] {
         &sampling::OBLIQUITY_STEP,
         &spin::RK4_STEP,
         &spin::SPIN_TOLERANCE,
+        &shed_orbit::Ias15Tolerance,
+        &shed_orbit::MultipoleError,
     ]
 }
 

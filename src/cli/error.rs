@@ -5,6 +5,7 @@ use miette::{Diagnostic, IntoDiagnostic, LabeledSpan, NamedSource, Report, Sourc
 use crate::evolve::EvolveError;
 use crate::exchange::{AggregateFileError, MeshFileError, UnknownFormat, WriteError};
 use crate::scene::SceneError;
+use crate::shed::ShedError;
 
 /// Why a command ended without its result.
 #[derive(Debug)]
@@ -87,6 +88,17 @@ impl From<WriteError> for CliError {
     }
 }
 
+impl From<ShedError> for CliError {
+    fn from(error: ShedError) -> Self {
+        match error {
+            ShedError::Rebound { .. } | ShedError::BecameNonFinite { .. } | ShedError::StepVanished { .. } => {
+                Self::numerical(error)
+            }
+            _ => Self::input(error),
+        }
+    }
+}
+
 impl From<EvolveError> for CliError {
     fn from(error: EvolveError) -> Self {
         let code = match &error {
@@ -94,9 +106,11 @@ impl From<EvolveError> for CliError {
             EvolveError::Store(store) if store.is_write_failure() => Failure::Write,
             EvolveError::Store(_) | EvolveError::AggregateFile(_) | EvolveError::MeshFile(_) => Failure::Input,
             EvolveError::NoRotation | EvolveError::Aggregate(_) => Failure::Input,
-            EvolveError::Dynamics(_) | EvolveError::Tiling(_) | EvolveError::Torque(_) | EvolveError::Spin(_) => {
-                Failure::Numerical
-            }
+            EvolveError::Shed(_)
+            | EvolveError::Dynamics(_)
+            | EvolveError::Tiling(_)
+            | EvolveError::Torque(_)
+            | EvolveError::Spin(_) => Failure::Numerical,
             EvolveError::BrokeUpWhileSettling { .. } => Failure::Numerical,
         };
         Self::new(code, error)

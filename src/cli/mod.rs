@@ -16,6 +16,7 @@ mod schema;
 mod sunlit_mesh;
 mod tile;
 mod torque;
+mod track;
 
 use clap::{Parser, Subcommand};
 
@@ -53,6 +54,8 @@ enum Command {
     Tile(tile::Arguments),
     /// Compute the YORP torques of a shape model (OBJ) at every obliquity
     Torque(torque::Arguments),
+    /// Follow shed spheres, or the other half of a fission, around an aggregate
+    Track(track::Arguments),
     /// Measure error against run time of the numerical knobs
     Accuracy(accuracy::Arguments),
 }
@@ -91,6 +94,7 @@ fn execute(cli: &Cli) -> Result<(), CliError> {
         Command::Schema => schema::run(),
         Command::Tile(arguments) => tile::run(arguments, cli.json),
         Command::Torque(arguments) => torque::run(arguments, cli.json),
+        Command::Track(arguments) => track::run(arguments, cli.json),
         Command::Accuracy(arguments) => accuracy::run(arguments, cli.json),
     }
 }

@@ -8,11 +8,12 @@ use pkd::mass_properties::mass_properties;
 
 use super::EvolveError;
 use super::block::{Aggregate, coordinates, evolve_block};
+use super::fate::shed;
 use super::movement::{Movement, detect_movement};
 use super::observer::{Observer, Progress};
-use super::shedding::Departures;
+use super::shedding::Breakup;
 use crate::scene::Scene;
-use crate::store::{ConfigurationRecord, DynamicsRecord, State};
+use crate::store::{ConfigurationRecord, DynamicsRecord, Shedding, State};
 
 /// How the aggregate answered.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,11 +26,13 @@ pub struct Check {
     pub dynamics: DynamicsRecord,
     /// Whether the last block was without movement.
     pub settled: bool,
-    /// What left, block by block.
-    pub departures: Vec<Departures>,
+    /// What left.
+    pub shedding: Shedding,
+    /// Set if what left is so heavy that the run ends.
+    pub breakup: Option<Breakup>,
 }
 
-/// Gives the aggregate of `state` the spin rate `omega` (rad/s, about its axis of largest moment) and evolves it until
+/// Gives the aggregate of `state`, at evolution time `t_s`, the spin rate `omega` (rad/s, about its axis of largest moment) and evolves it until
 /// nothing differs from `configuration` or, if something does, until a block of rotations shows no further movement.
 ///
 /// # Errors
@@ -38,7 +41,7 @@ pub fn check_spin(
     engine: &mut HardSphere,
     scene: &Scene,
     state: &State,
-    omega: f64,
+    [t_s, omega]: [f64; 2],
     configuration: &ConfigurationRecord,
     observer: &mut dyn Observer,
     progress: Progress,
@@ -52,22 +55,29 @@ pub fn check_spin(
     let settling = &scene.settling;
     let fraction = scene.evolution.movement_radius_fraction;
     let mut dynamics = DynamicsRecord::default();
-    let mut departures = Vec::new();
+    let mut shedding = Shedding::default();
+    let mut left = false;
     loop {
         let rotations = settling.rotations.min(settling.max_rotations - dynamics.rotations);
         let mut after_rotation = |_, observer: &mut dyn Observer| observer.progress(progress);
         let block = evolve_block(engine, &mut body, rotations, fraction, observer, &mut after_rotation)?;
         dynamics.add(&block.dynamics);
-        let quiet = block.moved == 0 && block.departures.spheres.is_empty();
-        let over = block.departures.breakup.is_some() || dynamics.rotations >= settling.max_rotations;
-        if !block.departures.spheres.is_empty() {
-            departures.push(block.departures);
+        let leaves = !block.departures.spheres.is_empty();
+        let quiet = block.moved == 0 && !leaves;
+        let breakup = block.departures.breakup;
+        let over = breakup.is_some() || dynamics.rotations >= settling.max_rotations;
+        if leaves {
+            left = true;
+            let more = shed(scene, &mut body, &block.departures, [t_s, omega, state.obliquity])?;
+            shedding.losses.extend(more.losses);
+            shedding.fates.extend(more.fates);
+            shedding.fission = more.fission;
         }
         let movement = compare(scene, configuration, &body);
-        let moved = movement.count() > 0 || !departures.is_empty();
+        let moved = movement.count() > 0 || left;
         if !moved || quiet || over {
             let movement = moved.then_some(movement);
-            return Ok(Check { body, movement, dynamics, settled: quiet || !moved, departures });
+            return Ok(Check { body, movement, dynamics, settled: quiet || !moved, shedding, breakup });
         }
     }
 }

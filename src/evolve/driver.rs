@@ -15,7 +15,7 @@ use super::check::{Check, check_spin};
 use super::configuration::{Original, Shape, next_object, object_0};
 use super::observer::{Observer, Progress};
 use super::rigid::rigid_cycle;
-use super::settling::{begin, losses, settle_block};
+use super::settling::{begin, settle_block};
 use super::shedding::Breakup;
 use super::spin::{Integrator, Leg, LegLimits, SpinState, StopReason, YEAR_S, integrate_leg};
 use crate::scene::{Body, Scene, SceneFile};
@@ -132,9 +132,9 @@ impl Driver<'_> {
     /// One block of settling.
     fn settle(&mut self, state: State) -> Result<State, EvolveError> {
         let watch = Stopwatch::start();
-        let (state, block, losses) = settle_block(self.scene, &mut self.engine, state, self.observer)?;
+        let (state, block, shedding) = settle_block(self.scene, &mut self.engine, state, self.observer)?;
         self.ledger.stop(Part::Settle, watch);
-        self.save(|store, ledger| store.save_settling(&block, &losses, &state, ledger))?;
+        self.save(|store, ledger| store.save_settling(&block, &shedding, &state, ledger))?;
         Ok(state)
     }
 
@@ -212,23 +212,24 @@ impl Driver<'_> {
             next.stage = Stage::Finished;
             next.outcome = Some(Outcome::SpunDown);
             record.result = "stopped";
-            return self.commit_leg(record, next, None, &[]);
+            return self.commit_leg(record, next, None, &Shedding::default());
         }
         let watch = Stopwatch::start();
         let progress = self.progress(&state);
         let (engine, observer) = (&mut self.engine, &mut *self.observer);
-        let check = check_spin(engine, self.scene, &state, leg.end.omega, &shape.record, observer, progress)?;
+        let check =
+            check_spin(engine, self.scene, &state, [leg.end.t_s, leg.end.omega], &shape.record, observer, progress)?;
         self.ledger.stop(if check.movement.is_some() { Part::Movement } else { Part::Check }, watch);
         self.note_check(&mut record, &check)?;
         next.spheres = check.body.spheres;
         let Some(movement) = check.movement else {
-            return self.commit_leg(LegRecord { result: "quiet", ..record }, next, None, &[]);
+            return self.commit_leg(LegRecord { result: "quiet", ..record }, next, None, &Shedding::default());
         };
         let moved_fraction = f64::from(record.moved[0]) / state.spheres.len() as f64;
         if moved_fraction > self.scene.evolution.moved_fraction_limit && state.refinement < MAX_REFINEMENT {
             // Back to the start of the leg with a fifth of the increment.
             let back = State { leg: next.leg, refinement: state.refinement + 1, ..state };
-            return self.commit_leg(LegRecord { result: "backtracked", ..record }, back, None, &[]);
+            return self.commit_leg(LegRecord { result: "backtracked", ..record }, back, None, &Shedding::default());
         }
         next.sphere_ids = check.body.ids;
         next.refinement = 0;
@@ -236,8 +237,7 @@ impl Driver<'_> {
         next.omega = mass_properties(&next.spheres)?.spin_rate();
         let (object, moved) = next_object(self.scene, original, shape, &state, &next, &movement, &mut self.ledger)?;
         *shape = object;
-        let losses: Vec<_> = check.departures.iter().flat_map(|d| losses(d, next.t_s, leg.end.omega)).collect();
-        next.outcome = check.departures.iter().find_map(|d| d.breakup).map(|b| match b {
+        next.outcome = check.breakup.map(|breakup| match breakup {
             Breakup::Fission => Outcome::Fission,
             Breakup::Disrupted => Outcome::Disrupted,
         });
@@ -245,14 +245,19 @@ impl Driver<'_> {
             next.stage = Stage::Finished;
         }
         self.movements += 1;
-        self.commit_leg(LegRecord { result: "movement", ..record }, next, Some((&shape.record, &moved)), &losses)
+        self.commit_leg(
+            LegRecord { result: "movement", ..record },
+            next,
+            Some((&shape.record, &moved)),
+            &check.shedding,
+        )
     }
 
     /// Enters what the check found into the leg's row, and tells the user what is out of the ordinary.
     fn note_check(&mut self, record: &mut LegRecord, check: &Check) -> Result<(), EvolveError> {
         record.dynamics = check.dynamics;
         record.settled = check.settled;
-        record.shed = check.departures.iter().map(|d| d.spheres.len() as u32).sum();
+        record.shed = check.shedding.losses.len() as u32;
         if let Some(movement) = &check.movement {
             record.moved = [movement.count(), movement.robust_count, movement.literal_count].map(|n| n as u32);
         }
@@ -276,10 +281,10 @@ impl Driver<'_> {
         leg: LegRecord,
         state: State,
         configuration: Option<(&ConfigurationRecord, &[MovementRecord])>,
-        losses: &[LossRecord],
+        shedding: &Shedding,
     ) -> Result<State, EvolveError> {
         let leg = LegRecord { omega_after: state.omega, ..leg };
-        let commit = LegCommit { leg: &leg, state: &state, configuration, losses };
+        let commit = LegCommit { leg: &leg, state: &state, configuration, shedding };
         self.save(|store, ledger| store.save_leg(&commit, ledger))?;
         Ok(state)
     }

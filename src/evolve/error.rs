@@ -1,6 +1,7 @@
 //! Why an evolution stopped before its end.
 
 use crate::exchange::{AggregateFileError, MeshFileError};
+use crate::shed::ShedError;
 use crate::store::StoreError;
 
 use super::spin::SpinError;
@@ -30,6 +31,9 @@ pub enum EvolveError {
     /// The torques cannot be computed.
     #[error("the torques cannot be computed: {0}")]
     Torque(#[from] taco::TacoError),
+    /// Shed spheres cannot be followed.
+    #[error("shed spheres cannot be followed: {0}")]
+    Shed(#[from] ShedError),
     /// The spin cannot be integrated.
     #[error("the spin cannot be integrated: {0}")]
     Spin(#[from] SpinError),

@@ -9,6 +9,7 @@ pub mod check;
 pub mod configuration;
 pub mod driver;
 mod error;
+pub mod fate;
 pub mod movement;
 mod observer;
 pub mod relax;

@@ -5,10 +5,10 @@ use pkd::hard_sphere::HardSphere;
 use pkd::mass_properties::mass_properties;
 
 use super::block::{Aggregate, evolve_block};
-use super::shedding::Departures;
+use super::fate::shed;
 use super::{EvolveError, Observer, Progress};
 use crate::scene::Scene;
-use crate::store::{LossRecord, SettlingRecord, Stage, State};
+use crate::store::{SettlingRecord, Shedding, Stage, State};
 
 /// The state of a run whose aggregate has just been made.
 ///
@@ -41,7 +41,7 @@ pub fn settle_block(
     engine: &mut HardSphere,
     mut state: State,
     observer: &mut dyn Observer,
-) -> Result<(State, SettlingRecord, Vec<LossRecord>), EvolveError> {
+) -> Result<(State, SettlingRecord, Shedding), EvolveError> {
     let settling = &scene.settling;
     let done = state.blocks * settling.rotations;
     let mut body = Aggregate { spheres: state.spheres, ids: state.sphere_ids };
@@ -57,6 +57,8 @@ pub fn settle_block(
     if block.departures.breakup.is_some() {
         return Err(EvolveError::BrokeUpWhileSettling { rotations });
     }
+    let omega = mass_properties(&body.spheres)?.spin_rate();
+    let shedding = shed(scene, &mut body, &block.departures, [0.0, omega, state.obliquity])?;
     let properties = mass_properties(&body.spheres)?;
     let axes = properties.deeve_axes();
     let record = SettlingRecord {
@@ -67,13 +69,13 @@ pub fn settle_block(
         b_over_a: axes.y / axes.x,
         c_over_a: axes.z / axes.x,
         dynamics: block.dynamics,
-        shed: block.departures.spheres.len() as u32,
+        shed: shedding.losses.len() as u32,
     };
     state.spheres = body.spheres;
     state.sphere_ids = body.ids;
     state.omega = properties.spin_rate();
     state.blocks += 1;
-    let quiet = block.moved == 0 && record.shed == 0;
+    let quiet = block.moved == 0 && block.departures.spheres.is_empty();
     if quiet || rotations >= settling.max_rotations {
         state.stage = Stage::Settled;
     }
@@ -83,20 +85,5 @@ pub fn settle_block(
             "the body still moves after {rotations} rotations (settling.max_rotations): {moved} spheres in the last block"
         ));
     }
-    let losses = losses(&block.departures, 0.0, state.omega);
-    Ok((state, record, losses))
-}
-
-/// The departures of a block as rows of the run database.
-pub fn losses(departures: &Departures, t_s: f64, omega: f64) -> Vec<LossRecord> {
-    let loss = |d: &super::shedding::Departure| LossRecord {
-        sphere: d.sphere,
-        t_s,
-        omega,
-        position: d.position,
-        velocity: d.velocity,
-        spin: d.spin,
-        energy_j: d.energy_j,
-    };
-    departures.spheres.iter().map(loss).collect()
+    Ok((state, record, shedding))
 }

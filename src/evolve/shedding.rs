@@ -34,6 +34,12 @@ pub struct Departure {
     pub spin: [f64; 3],
     /// Two-body energy of its cluster relative to the body, J.
     pub energy_j: f64,
+    /// Mass, kg.
+    pub mass: f64,
+    /// Radius, m.
+    pub radius: f64,
+    /// The cluster it leaves with, heaviest first, from 1.
+    pub cluster: u32,
 }
 
 /// How a body broke up for good.
@@ -92,7 +98,7 @@ pub fn departures(start: &Spheres, aggregate: &Aggregate) -> Result<Departures, 
     let body = mass_properties(&spheres.filtered(&flags(spheres.len(), &main.members)))?;
     let total_mass = spheres.total_mass();
     let off_at_start = off_the_body(start);
-    for other in others {
+    for (other, cluster) in others.iter().zip(1..) {
         let relative = two_body_state(spheres, &main.members, &other.members);
         let leaves = relative.energy > 0.0
             || relative.position.norm() > FAR_SEMIAXES * body.half_extents.x
@@ -111,6 +117,9 @@ pub fn departures(start: &Spheres, aggregate: &Aggregate) -> Result<Departures, 
                 velocity: (Vector3::from(spheres.velocity(i)) - body.velocity).into(),
                 spin: spheres.spin(i),
                 energy_j: relative.energy,
+                mass: spheres.mass[i],
+                radius: spheres.radius[i],
+                cluster,
             });
         }
     }

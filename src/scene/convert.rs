@@ -1,8 +1,8 @@
 //! What a scene means to the crates that compute: parameters in their types.
 
 use super::{
-    Contact, GravityMethod, GravityOptions, Interpolation, MultipleScattering, Orbit, Reflectance, SlideVelocity,
-    Surface, TorqueOptions,
+    Contact, GravityMethod, GravityOptions, Interpolation, MultipleScattering, Orbit, Rebound, Reflectance,
+    SlideVelocity, Surface, TorqueOptions,
 };
 
 impl Contact {
@@ -74,6 +74,25 @@ impl Orbit {
     }
 }
 
+impl Rebound {
+    /// How shed bodies are followed by a body on `orbit` whose equator is inclined to it by `obliquity` (rad).
+    pub fn to_shed(&self, orbit: &Orbit, obliquity: f64) -> crate::shed::TrackOptions {
+        let acts = self.solar_tide || self.radiation_pressure > 0.0;
+        let pressure = (self.radiation_pressure > 0.0).then_some(self.radiation_pressure);
+        crate::shed::TrackOptions {
+            t_max_s: self.t_max_days * 86_400.0,
+            semimajor_axis_au: orbit.semimajor_axis_au,
+            ias15_tolerance: self.ias15_tolerance,
+            multipole_error: self.multipole_error,
+            sun: acts.then_some(crate::shed::Sun {
+                obliquity,
+                tide: self.solar_tide,
+                radiation_pressure_coefficient: pressure,
+            }),
+        }
+    }
+}
+
 impl TorqueOptions {
     /// The sampling of a torque table.
     pub fn to_taco(&self) -> taco::Sampling {
@@ -111,6 +130,7 @@ mod tests {
         assert_eq!(Orbit::default().to_taco(), taco::Orbit::default());
         assert_eq!(TorqueOptions::default().to_taco(), taco::Sampling::default());
         assert_eq!(Interpolation::default().to_taco(), taco::Interpolation::default());
+        assert_eq!(Rebound::default().to_shed(&Orbit::default(), 0.1), crate::shed::TrackOptions::default());
     }
 
     #[test]

@@ -4,6 +4,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::shed::TrackOptions;
+
 /// Spin state at the beginning; the body turns about its axis of largest moment.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
@@ -147,10 +149,44 @@ pub struct Shed {
 }
 
 /// How shed spheres are followed.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Track {
     /// Removed with their mass, momentum and angular momentum, and recorded.
     #[default]
     None,
+    /// Followed with REBOUND around the body they left; what became of them is recorded.
+    Rebound(Rebound),
+}
+
+/// Orbits of shed spheres.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Rebound {
+    /// Followed for at most this long, days (default 365).
+    pub t_max_days: f64,
+    /// Tolerance of the integrator IAS15 (default 1e-9).
+    pub ias15_tolerance: f64,
+    /// Largest relative error of the body's attraction where multipoles stand for its spheres (default 1e-8).
+    pub multipole_error: f64,
+    /// Whether the Sun's tide acts (default false).
+    pub solar_tide: bool,
+    /// C_R of sunlight's pressure: 1 for black spheres, 13/9 for white Lambert spheres, 0 for none (default 0).
+    pub radiation_pressure: f64,
+    /// Whether a sphere that falls back returns to the body where it struck it (default false: it is gone from the run).
+    pub return_reimpacts: bool,
+}
+
+impl Default for Rebound {
+    fn default() -> Self {
+        let TrackOptions { t_max_s, ias15_tolerance, multipole_error, .. } = TrackOptions::default();
+        Self {
+            t_max_days: t_max_s / 86_400.0,
+            ias15_tolerance,
+            multipole_error,
+            solar_tide: false,
+            radiation_pressure: 0.0,
+            return_reimpacts: false,
+        }
+    }
 }

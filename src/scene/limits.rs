@@ -119,6 +119,10 @@ pub(super) const LIMITS: &[Limit] = &[
     closed("evolution.movement_radius_fraction", 1e-3, 10.0),
     above("evolution.moved_fraction_limit", 0.0, 1.0),
     above("evolution.stop_period_h", 0.0, 1e6).note("and above spin.period_h, or null"),
+    above("shed.track.rebound.t_max_days", 0.0, 1e5),
+    closed("shed.track.rebound.ias15_tolerance", 1e-16, 1e-3),
+    closed("shed.track.rebound.multipole_error", 1e-15, 0.1),
+    closed("shed.track.rebound.radiation_pressure", 0.0, 3.0),
 ];
 
 /// Longest name of a scene, characters.

@@ -22,7 +22,7 @@ use serde::{Deserialize, Serialize};
 pub use body::{Body, CarvedMesh, FileBody, FillingSpheres, LengthUnit, PackedEllipsoid, Packing};
 pub use difference::{Difference, first_difference};
 pub use dynamics::{
-    Contact, GravityMethod, GravityOptions, HardSphereContact, Settling, Shed, SlideVelocity, Spin, Track,
+    Contact, GravityMethod, GravityOptions, HardSphereContact, Rebound, Settling, Shed, SlideVelocity, Spin, Track,
 };
 pub use error::{Location, SceneError};
 pub use evolution::{Evolution, MovementRule, TilingOptions};

@@ -5,7 +5,7 @@
 
 use serde::Serialize;
 
-use super::{Body, Contact, GravityMethod, Interpolation, MovementRule, Packing, Reflectance, Scene};
+use super::{Body, Contact, GravityMethod, Interpolation, MovementRule, Packing, Reflectance, Scene, Track};
 
 /// What a scene will run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -191,10 +191,25 @@ fn evolution(scene: &Scene, parts: &mut Vec<Part>) {
         Some(period) => on("stop when spun down", format!("beyond {period} h"), "evolution.stop_period_h"),
         None => off("stop when spun down", "evolution.stop_period_h is null"),
     });
-    parts.push(off(
-        "orbits of shed spheres",
-        "shed.track is none: they are removed and recorded, REBOUND is never started",
-    ));
+    parts.push(match &scene.shed.track {
+        Track::None => {
+            off("orbits of shed spheres", "shed.track is none: they are removed and recorded, REBOUND is never started")
+        }
+        Track::Rebound(rebound) => on(
+            "orbits of shed spheres",
+            format!("IAS15 of REBOUND around the body's spheres, for {} d at most", rebound.t_max_days),
+            "shed.track.rebound; not started before something is shed",
+        ),
+    });
+    if let Track::Rebound(rebound) = &scene.shed.track {
+        let (tide, pressure) = (rebound.solar_tide, rebound.radiation_pressure > 0.0);
+        parts.push(match (tide, pressure) {
+            (false, false) => off("Sun on shed spheres", "solar_tide is false and radiation_pressure 0"),
+            (true, false) => on("Sun on shed spheres", "tide", "shed.track.rebound.solar_tide"),
+            (false, true) => on("Sun on shed spheres", "radiation pressure", "shed.track.rebound.radiation_pressure"),
+            (true, true) => on("Sun on shed spheres", "tide and radiation pressure", "shed.track.rebound"),
+        });
+    }
 }
 
 #[cfg(test)]

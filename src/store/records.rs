@@ -286,6 +286,61 @@ pub struct LossRecord {
     pub energy_j: f64,
 }
 
+/// What became of a sphere that left; vectors in the inertial axes in which it left.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FateRecord {
+    /// Sphere.
+    pub sphere: u32,
+    /// Name of the fate.
+    pub fate: &'static str,
+    /// When, s after it left.
+    pub t_s: f64,
+    /// Speed at contact or at infinity, m/s.
+    pub speed_m_s: Option<f64>,
+    /// Where it struck the body, turned back to where that place was when it left, m.
+    pub position: Option<[f64; 3]>,
+    /// Mean semimajor axis (m), eccentricity and inclination (rad) of what stayed in orbit.
+    pub orbit: Option<[f64; 3]>,
+    /// Share of the time within 3 radii of the body of what stayed in orbit.
+    pub within_3_radii: Option<f64>,
+    /// Sphere that it merged with.
+    pub into: Option<u32>,
+    /// Whether it went back to the body and is no loss.
+    pub returned: bool,
+    /// Angular momentum about the body's centre at its end, kg m^2/s; `None` for merged ones, whose survivor has it.
+    pub angular_momentum: Option<[f64; 3]>,
+}
+
+/// How the two pieces of a fission went on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FissionRecord {
+    /// Masses of the body and of the piece that left, kg.
+    pub mass_kg: [f64; 2],
+    /// Spheres of the piece that left.
+    pub spheres: Vec<u32>,
+    /// Name of the fate.
+    pub fate: &'static str,
+    /// When, s after they parted.
+    pub t_s: f64,
+    /// Speed at contact or at infinity, m/s.
+    pub speed_m_s: Option<f64>,
+    /// Mean semimajor axis (m), eccentricity and inclination (rad) of what stayed in orbit.
+    pub orbit: Option<[f64; 3]>,
+    /// Spin rates of both at the end, rad/s.
+    pub spin_rate: [f64; 2],
+}
+
+/// All that left in one leg, or in one block of settling.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Shedding {
+    /// What is gone from the body.
+    pub losses: Vec<LossRecord>,
+    /// What became of it; empty if the scene does not ask for it.
+    pub fates: Vec<FateRecord>,
+    /// Likewise of the two pieces of a fission.
+    pub fission: Option<FissionRecord>,
+}
+
 /// A sample of the rigid reference curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RigidRecord {

@@ -145,6 +145,34 @@ CREATE TABLE loss (
     PRIMARY KEY (leg, sphere)
 ) STRICT, WITHOUT ROWID;
 
+-- What became of a sphere that left, if the scene asks for it; vectors in the inertial axes in which it left.
+CREATE TABLE fate (
+    id               INTEGER PRIMARY KEY,
+    leg              INTEGER NOT NULL,          -- leg whose check shed it (-1: settling)
+    sphere           INTEGER NOT NULL,
+    fate             TEXT NOT NULL,             -- reimpact, escape, bound, merged
+    t_s              REAL NOT NULL,             -- after it left
+    speed_m_s        REAL,                      -- at contact, or at infinity
+    position         BLOB,                      -- f64, 3: where it struck the body, at the place's position when it left, m
+    orbit            BLOB,                      -- f64, 3: mean a (m), e, i (rad to the equator) while bound
+    within_3_radii   REAL,                      -- share of the time that it spent there
+    into_sphere      INTEGER,                   -- the one it merged with
+    returned         INTEGER NOT NULL,          -- 1: went back to the body and is not in table loss
+    angular_momentum BLOB                       -- f64, 3: at its end, about the body's centre; of merged ones the survivor's
+) STRICT;
+
+-- How the pieces of a fission went on, if the scene asks for it.
+CREATE TABLE fission (
+    leg       INTEGER PRIMARY KEY,
+    mass_kg   BLOB NOT NULL,                    -- f64, 2: the body, the piece that left
+    spheres   BLOB NOT NULL,                    -- u32: those of the piece that left
+    fate      TEXT NOT NULL,                    -- collided, separated, bound
+    t_s       REAL NOT NULL,                    -- after they parted
+    speed_m_s REAL,                             -- at contact, or at infinity
+    orbit     BLOB,                             -- f64, 3: mean a (m), e, i (rad) while bound
+    spin_rate BLOB NOT NULL                     -- f64, 2: at the end, rad/s
+) STRICT;
+
 -- The body of object 0, were it rigid.
 CREATE TABLE rigid (
     sample    INTEGER PRIMARY KEY,

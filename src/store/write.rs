@@ -15,7 +15,7 @@ pub struct LegCommit<'a> {
     /// The new configuration, if spheres moved, and what each of them did.
     pub configuration: Option<(&'a ConfigurationRecord, &'a [MovementRecord])>,
     /// Spheres that left.
-    pub losses: &'a [LossRecord],
+    pub shedding: &'a Shedding,
 }
 
 impl RunStore {
@@ -42,7 +42,7 @@ impl RunStore {
     pub fn save_settling(
         &mut self,
         block: &SettlingRecord,
-        losses: &[LossRecord],
+        shedding: &Shedding,
         state: &State,
         ledger: &Ledger,
     ) -> Result<(), StoreError> {
@@ -65,7 +65,7 @@ impl RunStore {
                     block.shed,
                 ],
             )?;
-            write_losses(tx, -1, losses)?;
+            write_shedding(tx, -1, shedding)?;
             write_state(tx, state)?;
             write_ledger(tx, session, ledger)
         })
@@ -124,7 +124,7 @@ impl RunStore {
                     ])?;
                 }
             }
-            write_losses(tx, i64::from(commit.leg.leg), commit.losses)?;
+            write_shedding(tx, i64::from(commit.leg.leg), commit.shedding)?;
             tx.execute("DELETE FROM ending", [])?;
             write_state(tx, commit.state)?;
             write_ledger(tx, session, ledger)
@@ -256,7 +256,8 @@ fn close_interval(tx: &Transaction, leg: &LegRecord) -> rusqlite::Result<()> {
     Ok(())
 }
 
-fn write_losses(tx: &Transaction, leg: i64, losses: &[LossRecord]) -> rusqlite::Result<()> {
+fn write_shedding(tx: &Transaction, leg: i64, shedding: &Shedding) -> rusqlite::Result<()> {
+    let Shedding { losses, fates, fission } = shedding;
     let mut insert = tx.prepare("INSERT INTO loss VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)")?;
     for l in losses {
         insert.execute(params![
@@ -269,6 +270,40 @@ fn write_losses(tx: &Transaction, leg: i64, losses: &[LossRecord]) -> rusqlite::
             f64_to_blob(l.spin),
             l.energy_j
         ])?;
+    }
+    let mut insert = tx.prepare(
+        "INSERT INTO fate (leg, sphere, fate, t_s, speed_m_s, position, orbit, within_3_radii, into_sphere, returned, \
+         angular_momentum) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11)",
+    )?;
+    for f in fates {
+        insert.execute(params![
+            leg,
+            f.sphere,
+            f.fate,
+            f.t_s,
+            f.speed_m_s,
+            f.position.map(f64_to_blob),
+            f.orbit.map(f64_to_blob),
+            f.within_3_radii,
+            f.into,
+            f.returned,
+            f.angular_momentum.map(f64_to_blob)
+        ])?;
+    }
+    if let Some(f) = fission {
+        tx.execute(
+            "INSERT INTO fission VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)",
+            params![
+                leg,
+                f64_to_blob(f.mass_kg),
+                u32_to_blob(f.spheres.iter().copied()),
+                f.fate,
+                f.t_s,
+                f.speed_m_s,
+                f.orbit.map(f64_to_blob),
+                f64_to_blob(f.spin_rate)
+            ],
+        )?;
     }
     Ok(())
 }
