@@ -100,7 +100,7 @@ fn wrong_inputs_are_refused_and_an_empty_list_is_an_empty_result() {
     let (primary, shed) = (primary(folder.path()), thrown(folder.path()));
     let none = write(folder.path(), "none.csv", &format!("{HEADER}\n"));
     assert_eq!(tracked(&primary, &none, &[])["fates"], serde_json::json!([]));
-    let inside = write(folder.path(), "inside.csv", &format!("{HEADER}\n0,0,0,0,0,0,0,0,0,1,1\n"));
+    let inside = write(folder.path(), "inside.csv", &format!("{HEADER}\n0,0,73,0,0,0,0,0,0,1,20\n"));
     let nan = write(folder.path(), "nan.csv", &format!("{HEADER}\nnan,0,0,0,0,0,0,0,0,1,1\n"));
     let p = primary.to_str().unwrap();
     let s = shed.to_str().unwrap();
@@ -120,7 +120,7 @@ fn wrong_inputs_are_refused_and_an_empty_list_is_an_empty_result() {
     }
 }
 
-/// The same set-up in Python: mascons in `additional_forces`, outcomes looked at every half minute.
+/// The same set-up in Python: mascons in `additional_forces`, outcomes looked at every two minutes.
 const PYTHON: &str = r#"
 import csv, json, sys
 import numpy as np, rebound
@@ -129,7 +129,9 @@ body, shed, omega, days = rows(sys.argv[1]), rows(sys.argv[2]), float(sys.argv[3
 G, au, gm_sun = 6.67430e-11, 1.495978707e11, 1.32712440018e20
 x = np.array([[r["x_m"], r["y_m"], r["z_m"]] for r in body]); m = np.array([r["mass_kg"] for r in body])
 radius = np.array([r["radius_m"] for r in body])
-x -= (m[:, None] * x).sum(0) / m.sum()
+v = np.array([[r["vx_m_s"], r["vy_m_s"], r["vz_m_s"]] for r in body])
+x0, v0 = (m[:, None] * x).sum(0) / m.sum(), (m[:, None] * v).sum(0) / m.sum()
+x -= x0
 far = max(20 * (np.linalg.norm(x, axis=1) + radius).max(), 0.5 * au * (G * m.sum() / (3 * gm_sun)) ** (1 / 3))
 def mascons(t):
     c, s = np.cos(omega * t), np.sin(omega * t)
@@ -139,7 +141,8 @@ for row in shed:
     sim = rebound.Simulation()
     sim.G = G
     sim.integrator = "ias15"
-    sim.add(m=row["mass_kg"], x=row["x_m"], y=row["y_m"], z=row["z_m"], vx=row["vx_m_s"], vy=row["vy_m_s"], vz=row["vz_m_s"])
+    p, u = np.array([row["x_m"], row["y_m"], row["z_m"]]) - x0, np.array([row["vx_m_s"], row["vy_m_s"], row["vz_m_s"]]) - v0
+    sim.add(m=row["mass_kg"], x=p[0], y=p[1], z=p[2], vx=u[0], vy=u[1], vz=u[2])
     def pull(reb_sim):
         p = sim.particles[0]
         d = mascons(sim.t) - np.array([p.x, p.y, p.z])
@@ -148,7 +151,7 @@ for row in shed:
     sim.additional_forces = pull
     fate, t = "bound", 0.0
     while t < days * 86400:
-        t += 30.0
+        t += 120.0
         sim.integrate(t)
         p = sim.particles[0]
         r = np.array([p.x, p.y, p.z])
@@ -170,7 +173,7 @@ fn python_package_gives_the_same_outcomes() {
     }
     let folder = tempfile::tempdir().unwrap();
     let (primary, shed) = (primary(folder.path()), thrown(folder.path()));
-    let days = "3";
+    let days = "2";
     let ours = tracked(&primary, &shed, &["--t-max-days", days]);
     let output = std::process::Command::new(&python)
         .args(["-c", PYTHON, primary.to_str().unwrap(), shed.to_str().unwrap(), &format!("{SPIN_RATE:?}"), days])
@@ -181,7 +184,7 @@ fn python_package_gives_the_same_outcomes() {
     for (ours, theirs) in ours["fates"].as_array().unwrap().iter().zip(theirs.as_array().unwrap()) {
         assert_eq!(ours["fate"], theirs["fate"], "{ours} {theirs}");
         let late = theirs["t_s"].as_f64().unwrap() - ours["t_s"].as_f64().unwrap();
-        // They look every half minute.
-        assert!((-30.0..60.0).contains(&late), "{ours} {theirs}");
+        // They look every two minutes.
+        assert!((-1.0..240.0).contains(&late), "{ours} {theirs}");
     }
 }
