@@ -33,8 +33,8 @@ fn primary(folder: &Path) -> PathBuf {
 fn thrown(folder: &Path) -> PathBuf {
     let mut text = format!("{HEADER}\n");
     let escape = (2.0 * 6.674_30e-11 * MASS_KG / 900.0).sqrt();
-    for k in 0..9 {
-        let (angle, share) = (0.7 * f64::from(k), 0.55 + 0.08 * f64::from(k));
+    for k in 0..7 {
+        let (angle, share) = (0.7 * f64::from(k), 0.55 + 0.1 * f64::from(k));
         let (s, c) = angle.sin_cos();
         let (x, y, z) = (900.0 * c, 900.0 * s, 30.0 * f64::from(k) - 100.0);
         let (vx, vy) = (-share * escape * s, share * escape * c);
@@ -62,7 +62,7 @@ fn every_sphere_has_a_fate_and_the_budget_closes() {
     let (primary, shed) = (primary(folder.path()), thrown(folder.path()));
     let result = tracked(&primary, &shed, &["--t-max-days", "30"]);
     let fates = result["fates"].as_array().unwrap();
-    assert_eq!(fates.len(), 9);
+    assert_eq!(fates.len(), 7);
     let kinds: Vec<_> = fates.iter().map(|f| f["fate"].as_str().unwrap()).collect();
     assert!(kinds.contains(&"reimpact") && kinds.contains(&"escape"), "{kinds:?}");
     assert!(fates.iter().all(|f| f["t_s"].as_f64().unwrap() > 0.0 && f["jacobi_drift"].as_f64().unwrap() < 1e-6));
@@ -120,7 +120,7 @@ fn wrong_inputs_are_refused_and_an_empty_list_is_an_empty_result() {
     }
 }
 
-/// The same set-up in Python: mascons in `additional_forces`, outcomes looked at every two minutes.
+/// The same set-up in Python: mascons in `additional_forces`, outcomes looked at every four minutes.
 const PYTHON: &str = r#"
 import csv, json, sys
 import numpy as np, rebound
@@ -151,7 +151,7 @@ for row in shed:
     sim.additional_forces = pull
     fate, t = "bound", 0.0
     while t < days * 86400:
-        t += 120.0
+        t += 240.0
         sim.integrate(t)
         p = sim.particles[0]
         r = np.array([p.x, p.y, p.z])
@@ -184,7 +184,9 @@ fn python_package_gives_the_same_outcomes() {
     for (ours, theirs) in ours["fates"].as_array().unwrap().iter().zip(theirs.as_array().unwrap()) {
         assert_eq!(ours["fate"], theirs["fate"], "{ours} {theirs}");
         let late = theirs["t_s"].as_f64().unwrap() - ours["t_s"].as_f64().unwrap();
-        // They look every two minutes.
-        assert!((-1.0..240.0).contains(&late), "{ours} {theirs}");
+        // They look every four minutes; that a sphere is far enough to have escaped, we look after each step, which is at
+        // most a quarter of a rotation.
+        let early = if ours["fate"] == "escape" { 0.25 * TAU / SPIN_RATE } else { 1.0 };
+        assert!((-early..480.0).contains(&late), "{ours} {theirs}");
     }
 }
