@@ -214,8 +214,9 @@ impl Run<'_> {
         };
         let smallest = self.field.mascons.smallest_radius_m();
         let bound = self.field.mascons.bounding_radius_m;
-        for k in 0..self.travellers.len() {
-            let (radius, a, b) = (self.travellers[k].body.radius, &before[k], self.travellers[k].body);
+        for (k, a) in before.iter().enumerate() {
+            let b = self.travellers[k].body;
+            let radius = b.radius;
             let speed = norm(a.velocity).max(norm(b.velocity));
             let surface = self.field.spin_rate * norm(a.position).max(norm(b.position));
             let reach = norm(a.position).min(norm(b.position)) - speed * (t1 - t0);

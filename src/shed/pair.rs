@@ -151,7 +151,7 @@ pub fn follow_pair(first: &Spheres, second: &Spheres, options: &TrackOptions) ->
     let (large, small) = if swap { (second, first) } else { (first, second) };
     let mut pair =
         Pair { a: Rigid::new(large, options.multipole_error)?, b: Rigid::new(small, options.multipole_error)? };
-    pair.to_common_centre();
+    pair.recentre();
     let gap = pair.gap();
     if gap < 0.0 {
         return Err(ShedError::AggregatesOverlap { overlap_m: -gap });
@@ -176,7 +176,7 @@ struct Action {
 }
 
 impl Pair {
-    fn to_common_centre(&mut self) {
+    fn recentre(&mut self) {
         let mass = self.a.mass + self.b.mass;
         let position = (self.a.mass * self.a.position + self.b.mass * self.b.position) / mass;
         let velocity = (self.a.mass * self.a.velocity + self.b.mass * self.b.velocity) / mass;
