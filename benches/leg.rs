@@ -47,7 +47,7 @@ fn check_of_a_spin_that_the_body_bears() {
         &mut engine,
         scene,
         state,
-        0.999 * state.omega,
+        [state.t_s, 0.999 * state.omega],
         &shape.record,
         &mut Silent,
         Progress::Building { stretches: 0 },
