@@ -21,6 +21,9 @@ fn quick_accuracy_prints_one_curve_per_knob_and_writes_figure_and_page() {
         "azimuth_bins",
         "declination_nodes",
         "obliquity_step",
+        "facet_samples",
+        "rotation_cells",
+        "spin_rates",
         "rk4_step",
         "spin_tolerance",
     ];

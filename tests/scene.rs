@@ -49,6 +49,9 @@ const COMPLETE: &str = r#"{
   "shed": {"track": "none"}
 }"#;
 
+/// A value of `surface.tangential_yorp`.
+const WALL: &str = r#""tangential_yorp": {"wall": {"coverage": 0.1, "thickness_m": 0.05, "conductivity_w_m_k": 1, "thermal_inertia": 1500}}"#;
+
 fn parse(text: &str) -> Result<Scene, SceneError> {
     Scene::parse(text, Path::new("scene.json"))
 }
@@ -89,6 +92,15 @@ fn every_shipped_scene_is_valid_and_has_a_plan() {
     assert_eq!(plan["name"], "cotto-figueroa-2015-07");
     let conduction = plan["parts"].as_array().unwrap().iter().find(|part| part["name"] == "heat conduction").unwrap();
     assert_eq!((&conduction["on"], &conduction["method"]), (&json!(false), &Value::Null));
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("warm.json");
+    std::fs::write(&file, with("\"thermal_inertia\": 0", "\"thermal_inertia\": 200")).unwrap();
+    let plan = yorp().arg("plan").arg(&file).output().unwrap();
+    let text = String::from_utf8(plan.stdout).unwrap();
+    assert!(
+        text.contains("half-space of Gamma = 200") && text.contains("11 spin rates from 0 to a period of 2 h"),
+        "{text}"
+    );
 }
 
 #[test]
@@ -168,7 +180,9 @@ fn the_schema_refuses_what_the_reader_refuses() {
     assert!(conforming(&with("\"stop_period_h\": 20", "\"stop_period_h\": null")));
     assert!(!conforming(&with("\"eccentricity\": 0.0", "\"eccentricity\": 1")));
     assert!(!conforming(&with("\"radius_m\": 50.2", "\"radius_m\": -50.2")));
-    assert!(!conforming(&with("\"thermal_inertia\": 0", "\"thermal_inertia\": 200")));
+    assert!(!conforming(&with("\"thermal_inertia\": 0", "\"thermal_inertia\": -200")));
+    assert!(conforming(&with("\"tangential_yorp\": \"none\"", WALL)));
+    assert!(!conforming(&with("\"tangential_yorp\": \"none\"", &WALL.replace("0.05", "-0.05"))));
     assert!(!conforming(&with("\"level\"", "\"levle\"")));
     let printed = yorp().arg("schema").output().unwrap();
     assert_eq!(serde_json::from_slice::<Value>(&printed.stdout).unwrap(), schema);
@@ -208,7 +222,7 @@ fn a_value_out_of_range_is_refused_with_place_path_value_and_range() {
         ("\"roughness_deg\": 20", "90", "surface.reflectance.hapke.roughness_deg", "at least 0, below 60"),
         ("\"obliquity_step_deg\": 5", "7", "torque.obliquity_step_deg", "a divisor of 180"),
         ("\"facets\": 784", "785", "tiling.facets", "even"),
-        ("\"thermal_inertia\": 0", "200", "surface.thermal_inertia", "only 0 (heat conduction"),
+        ("\"thermal_inertia\": 0", "-200", "surface.thermal_inertia", "at least 0, at most 10000"),
         ("\"max_rotations\": 50", "4", "settling.max_rotations", "at least settling.rotations = 5"),
         ("\"stop_period_h\": 20", "5", "evolution.stop_period_h", "above spin.period_h = 5.74"),
         ("\"period_h\": 5.74", "1e300", "spin.period_h", "at least 0.1, at most 100000"),
@@ -222,6 +236,22 @@ fn a_value_out_of_range_is_refused_with_place_path_value_and_range() {
         let at = format!("{at}:{}", column.parse::<usize>().unwrap() + key.len() + 2);
         refused(&text, &[&at, &format!("`{path}` is {value}; allowed: "), range]);
     }
+}
+
+#[test]
+fn knobs_of_the_torque_table_are_refused_with_their_ranges() {
+    let sampling = |key: &str| with("\"obliquity_step_deg\": 5", &format!("\"obliquity_step_deg\": 5, {key}"));
+    for (key, range) in [
+        ("\"facet_samples\": 3", "at least 1, at most 256 (and a square number)"),
+        ("\"rotation_cells\": 33", "at least 16, at most 1024 (and even)"),
+        ("\"spin_rates\": 1", "at least 2, at most 100"),
+        ("\"shortest_period_h\": 0", "at least 0.1, at most 1000"),
+    ] {
+        let (name, value) = key[1..].split_once("\": ").unwrap();
+        refused(&sampling(key), &[&format!("`torque.{name}` is {value}; allowed: {range}")]);
+    }
+    let text = with("\"sky_blockage\": true", "\"sky_blockage\": false, \"sky_blockage_reflected\": true");
+    refused(&text, &["`surface.sky_blockage_reflected` is true", "unless surface.sky_blockage is true"]);
 }
 
 #[test]
@@ -247,8 +277,16 @@ fn what_is_no_scene_is_refused_with_place_path_and_what_is_expected() {
     refused(&text, &[&place(&text, "-3"), "`body.packed_ellipsoid.spheres`", "`-3`", "at least 10, at most 1000000"]);
     let text = with("\"hapke\"", "\"hapka\"");
     refused(&text, &["scene.json:13:", "surface.reflectance", "unknown variant `hapka`", "`hapke`, `lambert`, `none`"]);
-    let text = with("\"self_heating\": \"none\"", "\"self_heating\": \"single\"");
-    refused(&text, &["scene.json:14:", "surface.self_heating", "unknown variant `single`, expected `none`"]);
+    let text = with("\"self_heating\": \"none\"", "\"self_heating\": \"twice\"");
+    refused(
+        &text,
+        &["scene.json:14:", "surface.self_heating", "unknown variant `twice`, expected one of", "`multiple`"],
+    );
+    let text = with("\"tangential_yorp\": \"none\"", &WALL.replace("0.05", "0"));
+    let path = "`surface.tangential_yorp.wall.thickness_m` is 0; allowed: at least 0.00001, at most 100";
+    refused(&text, &["scene.json:14:", path]);
+    let text = with("\"tangential_yorp\": \"none\"", &WALL.replace("\"coverage\": 0.1, ", ""));
+    refused(&text, &["scene.json:14:", "surface.tangential_yorp", "missing field `coverage`"]);
     let text = with(", \"b_over_a\": 0.70", "");
     refused(&text, &["scene.json:5:", "`body.packed_ellipsoid`", "missing field `b_over_a`"]);
     refused(r#"{"spin": {"period_h": 6}}"#, &["scene.json:1:", "missing field `body`"]);
@@ -330,6 +368,9 @@ fn variants_of_every_enumeration_are_read() {
     let text = r#"{"body": {"carved_mesh": {"path": "a.obj", "unit": "km", "packing": {"hcp": {"radius_m": 10, "grain_density_kg_m3": 3000}}}},
                    "contact": {"hard_sphere": {"slide_velocity": "surface"}}, "evolution": {"stop_period_h": null, "movement_rule": "literal"},
                    "surface": {"reflectance": {"lambert": {"bond_albedo": 0.2}}}, "torque": {"interpolation": "linear"}, "gravity": {"method": "direct"}}"#;
+    let warm = with("\"tangential_yorp\": \"none\"", WALL)
+        .replace("\"self_heating\": \"none\"", "\"self_heating\": \"multiple\"");
+    assert_eq!(parse(&parse(&warm).unwrap().to_json()).unwrap(), parse(&warm).unwrap());
     let scene = parse(text).unwrap();
     let Contact::HardSphere(contact) = &scene.contact;
     assert_eq!((contact.restitution_normal, scene.evolution.stop_period_h), (0.2, None));

@@ -38,6 +38,8 @@ fn the_object_has_exactly_the_keys_of_the_contract() {
         "obliquity_deg",
         "spin_torque_n_m",
         "obliquity_torque_n_m",
+        "transverse_force_n",
+        "semimajor_axis_drift_au_myr",
         "inertia_kg_m2",
         "volume_m3",
         "facets",
@@ -47,6 +49,8 @@ fn the_object_has_exactly_the_keys_of_the_contract() {
     assert_eq!(keys, expected.each_ref());
     assert_eq!(numbers(&table["obliquity_deg"]), (0..=36).map(|k| 5.0 * f64::from(k)).collect::<Vec<_>>());
     assert_eq!(table["facets"], 4);
+    // Without stored heat there is no Yarkovsky force to speak of, and none is computed.
+    assert_eq!((&table["transverse_force_n"], &table["semimajor_axis_drift_au_myr"]), (&Value::Null, &Value::Null));
     let estimate = &table["error_estimate"];
     let parts = estimate["parts"].as_object().unwrap();
     for key in ["spin_torque_n_m", "obliquity_torque_n_m"] {
@@ -164,18 +168,32 @@ fn bad_meshes_are_refused_with_line_or_facets() {
 fn impossible_arguments_are_refused_with_what_is_allowed() {
     let folder = tempfile::tempdir().unwrap();
     let file = write(&folder, LOPSIDED);
-    let cases: [(&[&str], &str); 12] = [
+    let wall = ["--wall-coverage", "0.1", "--wall-thickness-m", "0.1", "--wall-conductivity-w-m-k", "1"];
+    let cases: [(&[&str], &str); 25] = [
         (&["--density-kg-m3", "-5"], "above 0"),
         (&["--eccentricity", "1"], "at least 0, below 1"),
         (&["--orbit-au", "0"], "at least 0.01, at most 1000"),
         (&["--obliquity-step-deg", "7"], "a divisor of 180"),
         (&["--obliquity-deg", "181"], "at most 180"),
         (&["--obliquity-deg", "5", "--obliquity-step-deg", "5"], "cannot be used with"),
-        (&["--thermal-inertia", "200"], "only 0"),
-        (&["--self-heating", "single"], "possible values: none"),
+        (&["--thermal-inertia", "-1"], "at least 0, at most 10000"),
+        (&["--thermal-inertia", "1e5"], "at least 0, at most 10000"),
+        (&["--self-heating", "twice"], "possible values: none, single, multiple"),
+        (&["--sky-blockage", "off", "--sky-blockage-reflected", "on"], "--sky-blockage on only"),
+        (&["--facet-samples", "3"], "a square number"),
+        (&["--azimuth-bins", "100"], "a multiple of 8"),
+        (&["--declination-nodes", "36"], "an odd number"),
+        (&["--rotation-cells", "15"], "an even number"),
+        (&wall, "--wall-thermal-inertia"),
+        (&["--wall-thickness-m", "0.1"], "--wall-coverage"),
+        (&["--wall-coverage", "1.5"], "at least 0, at most 1"),
+        (&["--wall-thickness-m", "0"], "at least 0.00001, at most 100"),
+        (&["--wall-conductivity-w-m-k", "1e9"], "at least 0.0001, at most 100"),
+        (&["--wall-thermal-inertia", "0"], "at least 1, at most 10000"),
+        (&["--out", "curve.dat"], ".csv"),
         (&["--bond-albedo", "0.1"], "--reflectance lambert"),
         (&["--reflectance", "lambert", "--bond-albedo", "1.5"], "at most 1"),
-        (&["--period-h", "nan"], "above 0"),
+        (&["--period-h", "nan"], "at least 0.002, at most 1e9"),
         (&["--emissivity", "0"], "above 0, at most 1"),
     ];
     for (arguments, expected) in cases {
@@ -184,4 +202,76 @@ fn impossible_arguments_are_refused_with_what_is_allowed() {
         assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0), "{arguments:?}: {message}");
         assert!(message.contains(expected), "{arguments:?}: {expected} is missing in:\n{message}");
     }
+}
+
+#[test]
+fn quadrangles_and_polygons_are_read_as_triangles() {
+    let folder = tempfile::tempdir().unwrap();
+    // A box, once of quadrangles and once of their triangles, shifted so that it has a torque to compare.
+    let vertices: String = (0..8)
+        .map(|k| format!("v {} {} {}\n", 100 * (k & 1), 80 * (k >> 1 & 1) + 20 * (k & 1), 60 * (k >> 2) + 15 * (k & 1)))
+        .collect();
+    let sides = ["1 3 4 2", "5 6 8 7", "1 2 6 5", "3 7 8 4", "1 5 7 3", "2 4 8 6"];
+    let quadrangles: String = sides.iter().map(|side| format!("f {side}\n")).collect();
+    let triangles: String = sides
+        .iter()
+        .map(|side| {
+            let v: Vec<&str> = side.split(' ').collect();
+            format!("f {} {} {}\nf {} {} {}\n", v[0], v[1], v[2], v[0], v[2], v[3])
+        })
+        .collect();
+    let whole = torque(&write(&folder, &format!("{vertices}{quadrangles}")), &[]);
+    let cut = torque(&write(&folder, &format!("{vertices}{triangles}")), &[]);
+    assert_eq!((&whole["facets"], &whole["spin_torque_n_m"]), (&Value::from(12), &cut["spin_torque_n_m"]));
+}
+
+#[test]
+fn stored_heat_moves_the_obliquity_torque_alone_and_brings_a_force() {
+    let folder = tempfile::tempdir().unwrap();
+    let (file, csv) = (write(&folder, LOPSIDED), folder.path().join("curve.csv"));
+    let cold = torque(&file, &[]);
+    let warm = torque(&file, &["--thermal-inertia", "200", "--out", csv.to_str().unwrap()]);
+    let largest = |key: &str| numbers(&cold[key]).iter().fold(0.0_f64, |m, t| m.max(t.abs()));
+    let change = |key: &str| {
+        let pairs = numbers(&cold[key]).into_iter().zip(numbers(&warm[key]));
+        pairs.fold(0.0_f64, |m, (c, w)| m.max((w - c).abs())) / largest(key)
+    };
+    assert!(change("spin_torque_n_m") < 1e-6, "{}", change("spin_torque_n_m"));
+    assert!(change("obliquity_torque_n_m") > 0.05, "{}", change("obliquity_torque_n_m"));
+    // A prograde body drifts outwards, a retrograde one inwards.
+    let (force, drift) = (numbers(&warm["transverse_force_n"]), numbers(&warm["semimajor_axis_drift_au_myr"]));
+    assert!(force[0] > 0.0 && drift[0] > 0.0 && force[36] < 0.0 && drift[36] < 0.0);
+    let text = std::fs::read_to_string(csv).unwrap();
+    let header = "obliquity_deg,spin_rate_rad_s,spin_torque_n_m,obliquity_torque_n_m,transverse_force_n,semimajor_axis_drift_au_myr";
+    assert_eq!(text.lines().next(), Some(header));
+    assert_eq!(text.lines().count(), 38);
+    let row: Vec<f64> = text.lines().nth(2).unwrap().split(',').map(|x| x.parse().unwrap()).collect();
+    assert_eq!((row[0], row[2], row[4]), (5.0, numbers(&warm["spin_torque_n_m"])[1], force[1]));
+    // Another spin, another torque.
+    let slow = torque(&file, &["--thermal-inertia", "200", "--period-h", "60"]);
+    assert_ne!(slow["obliquity_torque_n_m"], warm["obliquity_torque_n_m"]);
+}
+
+#[test]
+fn heat_that_lasts_for_seasons_is_warned_about() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = write(&folder, LOPSIDED);
+    let warned = |arguments: &[&str]| {
+        let output = yorp().arg("torque").arg(&file).args(arguments).output().unwrap();
+        assert!(output.status.success());
+        String::from_utf8(output.stderr).unwrap().contains("seasons is neglected")
+    };
+    assert!(!warned(&["--thermal-inertia", "20"]));
+    assert!(warned(&["--thermal-inertia", "2000", "--orbit-au", "3"]));
+}
+
+#[test]
+fn walls_push_the_spin_up() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = write(&folder, LOPSIDED);
+    let wall = ["--wall-coverage", "0.5", "--wall-thickness-m", "0.02", "--wall-conductivity-w-m-k", "1"];
+    let with = torque(&file, &[&wall[..], &["--wall-thermal-inertia", "1500"]].concat());
+    let without = torque(&file, &[]);
+    let spin = |table: &Value| numbers(&table["spin_torque_n_m"]);
+    assert!(spin(&with).iter().zip(spin(&without)).all(|(w, o)| *w > o));
 }

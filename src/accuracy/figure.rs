@@ -9,7 +9,7 @@ use plotters::coord::ranged1d::{KeyPointHint, Ranged, ValueFormatter};
 use plotters::prelude::*;
 use plotters::style::FontStyle;
 
-use super::{Curve, Point};
+use super::{Curve, Point, number};
 
 /// Width of the figure and height of one panel, pixels.
 const PANEL: (u32, u32) = (900, 480);
@@ -97,7 +97,7 @@ fn draw_panel<B: DrawingBackend>(area: &DrawingArea<B, Shift>, curve: &Curve) ->
         let default = point.value == about.default;
         let (radius, colour) = if default { (7, RED) } else { (4, BLUE) };
         let unit = if default { format!(" {}, default", about.unit) } else { String::new() };
-        let label = format!("{}{unit}", point.value);
+        let label = format!("{}{unit}", number(point.value));
         let element = EmptyElement::at(*place)
             + Circle::new((0, 0), radius, colour.filled())
             + Text::new(label, (10, -18), (FONT, 15).into_font().color(&colour));

@@ -130,13 +130,16 @@ pub enum AccuracyError {
 }
 
 /// Every knob there is, in the order of the hand-off loop.
-pub fn knobs() -> [&'static dyn Knob; 9] {
+pub fn knobs() -> [&'static dyn Knob; 12] {
     [
         &hard_sphere_step::HardSphereStep,
         &facets::Facets,
         &sampling::AZIMUTH_BINS,
         &sampling::DECLINATION_NODES,
         &sampling::OBLIQUITY_STEP,
+        &sampling::FACET_SAMPLES,
+        &sampling::ROTATION_CELLS,
+        &sampling::SPIN_RATES,
         &spin::RK4_STEP,
         &spin::SPIN_TOLERANCE,
         &shed_orbit::Ias15Tolerance,
@@ -173,6 +176,16 @@ pub fn measure(knobs: &[&dyn Knob], effort: Effort, progress: &mut dyn FnMut(&st
     Ok(Accuracy { knobs: curves, effort })
 }
 
+/// A number as it is read best: short, and in powers of ten where it would be all zeros.
+pub fn number(value: f64) -> String {
+    if value == 0.0 || (1e-3..1e6).contains(&value.abs()) { format!("{value}") } else { format!("{value:e}") }
+}
+
+/// CPU seconds to the digits that mean something.
+pub fn seconds(value: f64) -> String {
+    if value < 0.01 { format!("{value:.1e}") } else { format!("{value:.3}") }
+}
+
 /// Half the difference between the largest and the smallest value.
 fn half_range(values: &[f64]) -> f64 {
     let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
@@ -182,6 +195,12 @@ fn half_range(values: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_are_short() {
+        assert_eq!([19_960.0, 2.5, 1e-9, 0.0].map(number), ["19960", "2.5", "1e-9", "0"]);
+        assert_eq!([12.3456, 0.05, 1.234e-5].map(seconds), ["12.346", "0.050", "1.2e-5"]);
+    }
 
     #[test]
     fn names_are_unique_and_a_wrong_one_is_answered_with_the_right_ones() {

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::{Accuracy, Curve};
+use super::{Accuracy, Curve, number, seconds};
 
 /// The page; `figure` is the SVG document of the same curves.
 pub fn page(accuracy: &Accuracy, figure: &str) -> String {
@@ -34,8 +34,10 @@ fn table(text: &mut String, curve: &Curve) {
         let spread = point.spread.map_or_else(String::new, |s| format!("± {s:.1e}"));
         let _ = writeln!(
             text,
-            "<tr{mark}><td>{}</td><td>{:.2e}</td><td>{spread}</td><td>{:.3}</td></tr>",
-            point.value, point.error, point.seconds
+            "<tr{mark}><td>{}</td><td>{:.2e}</td><td>{spread}</td><td>{}</td></tr>",
+            number(point.value),
+            point.error,
+            seconds(point.seconds)
         );
     }
     text.push_str("</table>\n");

@@ -54,7 +54,7 @@ pub(super) const SPIN_TOLERANCE: SpinKnob = SpinKnob {
     scene_key: "yorp rigid --tolerance",
     default: || TOLERANCE,
     integrator: |tolerance| Integrator::Adaptive { tolerance },
-    values: &[1e-7, 1e-8, 1e-9, 1e-10, 1e-11],
+    values: &[1e-8, 1e-9, 1e-10, 1e-11, 1e-12],
 };
 
 impl Knob for SpinKnob {

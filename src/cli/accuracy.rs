@@ -61,8 +61,10 @@ fn table(measured: &Accuracy) -> String {
             let mark = if point.value == about.default { "  default" } else { "" };
             let _ = writeln!(
                 text,
-                "  {:>10}  {:>9.2e}  {spread:>9}  {:>9.3}{mark}",
-                point.value, point.error, point.seconds
+                "  {:>10}  {:>9.2e}  {spread:>9}  {:>9}{mark}",
+                accuracy::number(point.value),
+                point.error,
+                accuracy::seconds(point.seconds)
             );
         }
     }

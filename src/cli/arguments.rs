@@ -42,7 +42,48 @@ pub(super) fn emissivity(text: &str) -> Result<f64, String> {
 }
 
 pub(super) fn thermal_inertia(text: &str) -> Result<f64, String> {
-    number(text, |x| x == 0.0, "only 0 (heat conduction is not part of this version)")
+    number(text, |x| (0.0..=1e4).contains(&x), "at least 0, at most 10000")
+}
+
+pub(super) fn wall_thickness_m(text: &str) -> Result<f64, String> {
+    number(text, |x| (1e-5..=100.0).contains(&x), "at least 0.00001, at most 100")
+}
+
+pub(super) fn wall_conductivity_w_m_k(text: &str) -> Result<f64, String> {
+    number(text, |x| (1e-4..=100.0).contains(&x), "at least 0.0001, at most 100")
+}
+
+pub(super) fn wall_thermal_inertia(text: &str) -> Result<f64, String> {
+    number(text, |x| (1.0..=1e4).contains(&x), "at least 1, at most 10000")
+}
+
+pub(super) fn period_h(text: &str) -> Result<f64, String> {
+    number(text, |x| (0.002..=1e9).contains(&x), "at least 0.002, at most 1e9")
+}
+
+/// A whole number that `fits`, or what is allowed.
+fn count(text: &str, fits: impl Fn(usize) -> bool, allowed: &str) -> Result<usize, String> {
+    text.parse().ok().filter(|n| fits(*n)).ok_or_else(|| format!("allowed: {allowed}"))
+}
+
+pub(super) fn facet_samples(text: &str) -> Result<usize, String> {
+    let fits = |n: usize| (1..=256).contains(&n) && n.isqrt().pow(2) == n;
+    count(text, fits, "a square number, at least 1, at most 256")
+}
+
+pub(super) fn azimuth_bins(text: &str) -> Result<usize, String> {
+    let fits = |n: usize| (16..=2880).contains(&n) && n.is_multiple_of(8);
+    count(text, fits, "a multiple of 8, at least 16, at most 2880")
+}
+
+pub(super) fn declination_nodes(text: &str) -> Result<usize, String> {
+    let fits = |n: usize| (5..=1441).contains(&n) && !n.is_multiple_of(2);
+    count(text, fits, "an odd number, at least 5, at most 1441")
+}
+
+pub(super) fn rotation_cells(text: &str) -> Result<usize, String> {
+    let fits = |n: usize| (16..=1024).contains(&n) && n.is_multiple_of(2);
+    count(text, fits, "an even number, at least 16, at most 1024")
 }
 
 pub(super) fn obliquity_deg(text: &str) -> Result<f64, String> {
@@ -63,9 +104,8 @@ pub(super) fn rk4_step_yr(text: &str) -> Result<f64, String> {
 }
 
 pub(super) fn facets(text: &str) -> Result<u32, String> {
-    let allowed = "an even number, at least 4, at most 200000";
-    let facets = text.parse().map_err(|_| format!("allowed: {allowed}"))?;
-    if (4..=200_000).contains(&facets) && facets % 2 == 0 { Ok(facets) } else { Err(format!("allowed: {allowed}")) }
+    let fits = |n: usize| (4..=200_000).contains(&n) && n.is_multiple_of(2);
+    count(text, fits, "an even number, at least 4, at most 200000").map(|n| n as u32)
 }
 
 pub(super) fn level(text: &str) -> Result<f64, String> {

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::ValueEnum;
 use pkd::constants::G;
 use serde_json::json;
-use taco::{Interpolation, Sampling, TorqueInterpolant};
+use taco::{Interpolation, SpinRates, TorqueInterpolant};
 
 use super::progress::Reporter;
 use super::sunlit_mesh::{SunlitMesh, torque_failed};
@@ -28,7 +28,7 @@ pub(super) struct Arguments {
     /// A shape model (OBJ), or a scene (JSON), whose body is built and settled first
     body: PathBuf,
     /// Initial rotation period, h [default: 6, or the scene's]
-    #[arg(long, value_name = "P", value_parser = value::positive)]
+    #[arg(long, value_name = "P", value_parser = value::period_h)]
     period_h: Option<f64>,
     /// Initial obliquity, deg [default: 5, or the scene's]
     #[arg(long, value_name = "EPS", value_parser = value::obliquity_deg)]
@@ -81,6 +81,8 @@ impl Arguments {
 /// A body whose cycle can be followed.
 struct Rigid {
     torque: TorqueInterpolant,
+    /// Spin rates of the table behind it, rad/s; one if the torque does not depend on them.
+    spin_rates: Vec<f64>,
     inertia_kg_m2: f64,
     /// Mass over the volume of the mesh, or of the convex hull of the spheres, kg/m^3.
     density_kg_m3: f64,
@@ -106,26 +108,31 @@ pub(super) fn run(arguments: &Arguments, as_json: bool) -> Result<(), CliError> 
     if let Some(file) = &arguments.out {
         write_table(&columns(&cycle, &rigid.torque), file)?;
     }
-    let limit = SpinLimit::of(&rigid, &cycle);
+    let limits = SpinLimits::of(&rigid, &cycle);
     if as_json {
-        output::json(&as_value(&cycle, &limit, integrator))
+        output::json(&as_value(&cycle, &limits, integrator))
     } else {
-        output::text(&as_text(&cycle, &limit, integrator))
+        output::text(&as_text(&cycle, &limits, integrator))
     }
 }
 
-/// The spin rate at which a sphere of the body's density no longer holds what lies on its equator. The body is followed
-/// beyond it, since it is rigid; a pile of rubble would have changed its shape.
-struct SpinLimit {
-    omega: f64,
-    /// When the spin first rises above it, s; `None` if it does not.
-    t_s: Option<f64>,
+/// Spin rates up to which the result stands for a real body; the cycle is followed beyond them.
+struct SpinLimits {
+    /// Where a sphere of the body's density no longer holds what lies on its equator, rad/s: a pile of rubble would have
+    /// changed its shape.
+    gravity: f64,
+    /// When the spin first rises above that, s; `None` if it does not.
+    gravity_s: Option<f64>,
+    /// The largest spin rate of the torque table, rad/s, beyond which its torques are taken as constant; `None` if they do
+    /// not depend on the spin rate.
+    table: Option<f64>,
 }
 
-impl SpinLimit {
+impl SpinLimits {
     fn of(rigid: &Rigid, cycle: &RigidCycle) -> Self {
-        let omega = (4.0 / 3.0 * PI * G * rigid.density_kg_m3).sqrt();
-        Self { omega, t_s: cycle.first_above(omega) }
+        let gravity = (4.0 / 3.0 * PI * G * rigid.density_kg_m3).sqrt();
+        let table = rigid.spin_rates.last().copied().filter(|_| rigid.spin_rates.len() > 1);
+        Self { gravity, gravity_s: cycle.first_above(gravity), table }
     }
 }
 
@@ -145,10 +152,13 @@ fn columns(cycle: &RigidCycle, torque: &TorqueInterpolant) -> [(&'static str, Ve
 fn of_mesh(arguments: &Arguments) -> Result<Rigid, CliError> {
     let surface = arguments.sunlit.surface()?;
     let body = arguments.sunlit.body(&arguments.body)?;
-    let table = taco::torque_table(&body.mesh, &surface, &arguments.sunlit.orbit(), &Sampling::default());
-    let torque = table.and_then(|t| t.interpolant(Interpolation::Cubic)).map_err(torque_failed)?;
+    arguments.sunlit.warn_of_seasons(&surface);
+    let sampling = arguments.sunlit.sampling(SpinRates::default());
+    let table =
+        taco::torque_table(&body.mesh, &surface, &arguments.sunlit.orbit(), &sampling).map_err(torque_failed)?;
     Ok(Rigid {
-        torque,
+        torque: table.interpolant(Interpolation::Cubic).map_err(torque_failed)?,
+        spin_rates: table.omega,
         inertia_kg_m2: body.inertia_kg_m2,
         density_kg_m3: arguments.sunlit.density_kg_m3,
         omega: TAU / (6.0 * 3600.0),
@@ -166,6 +176,7 @@ fn of_scene(path: &Path) -> Result<Rigid, CliError> {
     let state = begin(scene, built.spheres)?;
     let shape = object_0(scene, &original, &state, &mut Ledger::default())?;
     Ok(Rigid {
+        spin_rates: shape.record.torque.spin_rate.clone(),
         inertia_kg_m2: shape.inertia(),
         density_kg_m3: shape.record.densities_kg_m3[2],
         torque: shape.torque,
@@ -188,7 +199,7 @@ fn rev_day_myr(omega_rate: f64) -> f64 {
     omega_rate / REV_PER_DAY * MYR_S
 }
 
-fn as_value(cycle: &RigidCycle, limit: &SpinLimit, integrator: Integrator) -> serde_json::Value {
+fn as_value(cycle: &RigidCycle, limits: &SpinLimits, integrator: Integrator) -> serde_json::Value {
     // JSON has no infinity: a spin that grows for ever is null, and `end` says so.
     let rev_per_day = |omega: f64| omega.is_finite().then(|| omega / REV_PER_DAY);
     let column = |value: fn(&SpinState) -> f64| cycle.states.iter().map(value).collect::<Vec<_>>();
@@ -203,8 +214,9 @@ fn as_value(cycle: &RigidCycle, limit: &SpinLimit, integrator: Integrator) -> se
         "t_myr": column(|s| s.t_s / MYR_S),
         "spin_rev_day": column(|s| s.omega / REV_PER_DAY),
         "obliquity_deg": column(|s| s.obliquity.to_degrees()),
-        "spin_limit_rev_day": rev_per_day(limit.omega),
-        "spin_limit_myr": limit.t_s.map(|t| t / MYR_S),
+        "spin_limit_rev_day": rev_per_day(limits.gravity),
+        "spin_limit_myr": limits.gravity_s.map(|t| t / MYR_S),
+        "torque_table_to_rev_day": limits.table.and_then(rev_per_day),
         "integrator": match integrator {
             Integrator::Adaptive { tolerance } => json!({"adaptive": {"tolerance": tolerance}}),
             Integrator::Rk4 { step_s } => json!({"rk4": {"step_yr": step_s / YEAR_S}}),
@@ -214,7 +226,7 @@ fn as_value(cycle: &RigidCycle, limit: &SpinLimit, integrator: Integrator) -> se
     })
 }
 
-fn as_text(cycle: &RigidCycle, limit: &SpinLimit, integrator: Integrator) -> String {
+fn as_text(cycle: &RigidCycle, limits: &SpinLimits, integrator: Integrator) -> String {
     let spin = |omega: f64| match omega.is_finite() {
         true => format!("{:.3} rev/day", omega / REV_PER_DAY),
         false => "infinite".to_owned(),
@@ -228,11 +240,14 @@ fn as_text(cycle: &RigidCycle, limit: &SpinLimit, integrator: Integrator) -> Str
         (RigidEnd::Stalled, _) => format!("stalls after {:.3} Myr", last.t_s / MYR_S),
         _ => format!("on its way after {:.3} Myr", last.t_s / MYR_S),
     };
-    let limit_spin = spin(limit.omega);
-    let limit = match limit.t_s {
+    let limit_spin = spin(limits.gravity);
+    let mut limit = match limits.gravity_s {
         Some(t) => format!("passed after {:.3} Myr", t / MYR_S),
         None => "not reached".to_owned(),
     };
+    if let Some(table) = limits.table {
+        limit += &format!("\ntorques over spin rates up to {}, constant beyond", spin(table));
+    }
     let steps = match integrator {
         Integrator::Adaptive { tolerance } => format!("adaptive steps to {tolerance:e}"),
         Integrator::Rk4 { step_s } => format!("Runge-Kutta steps of {} yr", step_s / YEAR_S),

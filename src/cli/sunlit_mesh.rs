@@ -37,15 +37,57 @@ pub(super) struct SunlitMesh {
     /// Whether emitted light that meets another part of the body is taken off the recoil
     #[arg(long, value_enum, default_value = "on")]
     sky_blockage: Switch,
-    /// Thermal inertia, J m^-2 K^-1 s^-1/2
+    /// Whether reflected light that meets another part of the body is taken off the recoil as well
+    #[arg(long, value_enum, default_value = "off")]
+    sky_blockage_reflected: Switch,
+    /// Thermal inertia, J m^-2 K^-1 s^-1/2; without it torques do not depend on the spin rate
     #[arg(long, value_name = "GAMMA", default_value_t = 0.0, value_parser = arguments::thermal_inertia)]
     thermal_inertia: f64,
     /// Thermal emissivity; cancels without thermal inertia
     #[arg(long, value_name = "EPSILON", default_value_t = 0.9, value_parser = arguments::emissivity)]
     emissivity: f64,
-    /// Whether light from one part of the body heats another
+    /// How far light that one part of the body sends to another is followed
     #[arg(long, value_enum, default_value = "none")]
     self_heating: SelfHeating,
+    #[command(flatten)]
+    wall: Wall,
+    #[command(flatten)]
+    knobs: Knobs,
+}
+
+/// Stones as walls, for tangential YORP: all four or none.
+#[derive(Debug, clap::Args)]
+struct Wall {
+    /// Tangential YORP: area of walls (one side) per area of ground
+    #[arg(long, value_name = "C", value_parser = arguments::fraction,
+          requires_all = ["wall_thickness_m", "wall_conductivity_w_m_k", "wall_thermal_inertia"])]
+    wall_coverage: Option<f64>,
+    /// Tangential YORP: thickness of the walls from east to west
+    #[arg(long, value_name = "L", requires = "wall_coverage", value_parser = arguments::wall_thickness_m)]
+    wall_thickness_m: Option<f64>,
+    /// Tangential YORP: thermal conductivity of the walls
+    #[arg(long, value_name = "KAPPA", requires = "wall_coverage", value_parser = arguments::wall_conductivity_w_m_k)]
+    wall_conductivity_w_m_k: Option<f64>,
+    /// Tangential YORP: thermal inertia of the walls, J m^-2 K^-1 s^-1/2
+    #[arg(long, value_name = "GAMMA", requires = "wall_coverage", value_parser = arguments::wall_thermal_inertia)]
+    wall_thermal_inertia: Option<f64>,
+}
+
+/// How finely the torques are sampled; more is slower and better.
+#[derive(Debug, clap::Args)]
+struct Knobs {
+    /// Points of a facet from which shadows and sky are seen, a square number
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = arguments::facet_samples)]
+    facet_samples: usize,
+    /// Azimuths at which the horizon of a facet is known, a multiple of 8
+    #[arg(long, value_name = "N", default_value_t = 120, value_parser = arguments::azimuth_bins)]
+    azimuth_bins: usize,
+    /// Declinations of the Sun from equator to pole, odd
+    #[arg(long, value_name = "N", default_value_t = 37, value_parser = arguments::declination_nodes)]
+    declination_nodes: usize,
+    /// Cells of a rotation in which heat is followed, even
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = arguments::rotation_cells)]
+    rotation_cells: usize,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -69,7 +111,12 @@ enum Scattering {
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum SelfHeating {
+    /// Its energy is lost
     None,
+    /// To the first facet that it meets
+    Single,
+    /// Until it leaves the body
+    Multiple,
 }
 
 /// A mesh ready for its torques: origin at the centre of mass, spin about +z.
@@ -83,10 +130,6 @@ pub(super) struct MeshBody {
 impl SunlitMesh {
     /// The surface, once the flags fit together.
     pub fn surface(&self) -> Result<taco::Surface, CliError> {
-        // Both have one value so far, which the parser has made sure of.
-        let (SelfHeating::None, 0.0) = (self.self_heating, self.thermal_inertia) else {
-            return Err(CliError::refused("heat conduction is not part of this version"));
-        };
         let reflectance = match (self.reflectance, self.bond_albedo) {
             (Scattering::Lambert, albedo) => taco::Reflectance::Lambert { bond_albedo: albedo.unwrap_or(0.1) },
             (_, Some(albedo)) => {
@@ -96,13 +139,42 @@ impl SunlitMesh {
             (Scattering::Hapke, None) => taco::Reflectance::default(),
             (Scattering::None, None) => taco::Reflectance::None,
         };
+        if self.sky_blockage_reflected.is_on() && !self.sky_blockage.is_on() {
+            return Err(CliError::refused("--sky-blockage-reflected on goes with --sky-blockage on only"));
+        }
         Ok(taco::Surface {
             reflectance,
+            thermal_inertia: self.thermal_inertia,
             emissivity: self.emissivity,
             shadows: self.shadows.is_on(),
             sky_blockage: self.sky_blockage.is_on(),
-            ..taco::Surface::default()
+            sky_blockage_reflected: self.sky_blockage_reflected.is_on(),
+            self_heating: match self.self_heating {
+                SelfHeating::None => taco::SelfHeating::None,
+                SelfHeating::Single => taco::SelfHeating::Single,
+                SelfHeating::Multiple => taco::SelfHeating::Multiple,
+            },
+            tangential_yorp: self.wall.to_taco(),
         })
+    }
+
+    /// The sampling, for the given spin rates; a surface without heat ignores them.
+    pub fn sampling(&self, spin_rates: taco::SpinRates) -> taco::Sampling {
+        taco::Sampling {
+            facet_samples: self.knobs.facet_samples,
+            azimuth_bins: self.knobs.azimuth_bins,
+            declination_nodes: self.knobs.declination_nodes,
+            rotation_cells: self.knobs.rotation_cells,
+            spin_rates,
+            ..taco::Sampling::default()
+        }
+    }
+
+    /// Tells on stderr what a surface with heat leaves out.
+    pub fn warn_of_seasons(&self, surface: &taco::Surface) {
+        if let Some(seasonal) = taco::seasonal_heat(surface, &self.orbit()) {
+            eprintln!("warning: {seasonal}");
+        }
     }
 
     /// The orbit.
@@ -131,6 +203,17 @@ impl SunlitMesh {
             eprintln!("warning: the sphere of equal volume has a radius of {radius_m:.3e} m; is --unit right?");
         }
         Ok(MeshBody { mesh, volume_m3: solid.volume, inertia_kg_m2: moment * self.density_kg_m3, radius_m })
+    }
+}
+
+impl Wall {
+    fn to_taco(&self) -> Option<taco::Wall> {
+        Some(taco::Wall {
+            coverage: self.wall_coverage?,
+            thickness_m: self.wall_thickness_m?,
+            conductivity_w_m_k: self.wall_conductivity_w_m_k?,
+            thermal_inertia: self.wall_thermal_inertia?,
+        })
     }
 }
 

@@ -140,6 +140,9 @@ impl Driver<'_> {
 
     /// Tiles the settled body, computes its torques and the curve it would follow were it rigid.
     fn found_object_0(&mut self, mut state: State) -> Result<State, EvolveError> {
+        if let Some(warning) = taco::seasonal_heat(&self.scene.surface.to_taco(), &self.scene.orbit.to_taco()) {
+            self.observer.warn(&warning.to_string());
+        }
         let original = self.ledger.time(Part::Tiling, || Original::new(self.scene, &state.spheres))?;
         let shape = object_0(self.scene, &original, &state, &mut self.ledger)?;
         let start = SpinState { t_s: 0.0, omega: state.omega, obliquity: state.obliquity };

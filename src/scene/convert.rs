@@ -1,8 +1,10 @@
 //! What a scene means to the crates that compute: parameters in their types.
 
+use std::f64::consts::TAU;
+
 use super::{
     Contact, GravityMethod, GravityOptions, Interpolation, MultipleScattering, Orbit, Rebound, Reflectance,
-    SlideVelocity, Surface, TorqueOptions,
+    SelfHeating, SlideVelocity, Surface, TangentialYorp, TorqueOptions,
 };
 
 impl Contact {
@@ -59,10 +61,25 @@ impl Surface {
         };
         taco::Surface {
             reflectance,
+            thermal_inertia: self.thermal_inertia,
             emissivity: self.emissivity,
             shadows: self.shadows,
             sky_blockage: self.sky_blockage,
-            ..taco::Surface::default()
+            sky_blockage_reflected: self.sky_blockage_reflected,
+            self_heating: match self.self_heating {
+                SelfHeating::None => taco::SelfHeating::None,
+                SelfHeating::Single => taco::SelfHeating::Single,
+                SelfHeating::Multiple => taco::SelfHeating::Multiple,
+            },
+            tangential_yorp: match self.tangential_yorp {
+                TangentialYorp::None => None,
+                TangentialYorp::Wall(wall) => Some(taco::Wall {
+                    coverage: wall.coverage,
+                    thickness_m: wall.thickness_m,
+                    conductivity_w_m_k: wall.conductivity_w_m_k,
+                    thermal_inertia: wall.thermal_inertia,
+                }),
+            },
         }
     }
 }
@@ -100,7 +117,12 @@ impl TorqueOptions {
             obliquities: taco::Obliquities::StepDeg(self.obliquity_step_deg),
             azimuth_bins: self.azimuth_bins as usize,
             declination_nodes: self.declination_nodes as usize,
-            ..taco::Sampling::default()
+            facet_samples: self.facet_samples as usize,
+            rotation_cells: self.rotation_cells as usize,
+            spin_rates: taco::SpinRates::UpTo {
+                max_rad_s: TAU / (self.shortest_period_h * 3600.0),
+                nodes: self.spin_rates as usize,
+            },
         }
     }
 }

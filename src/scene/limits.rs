@@ -108,11 +108,19 @@ pub(super) const LIMITS: &[Limit] = &[
     below("surface.reflectance.hapke.roughness_deg", 0.0, 60.0),
     Limit { above: true, ..below("surface.reflectance.hapke.asymmetry", -1.0, 1.0) },
     closed("surface.reflectance.lambert.bond_albedo", 0.0, 1.0),
-    closed("surface.thermal_inertia", 0.0, 0.0).note("heat conduction is not part of this version"),
+    closed("surface.thermal_inertia", 0.0, 1e4),
     above("surface.emissivity", 0.0, 1.0),
+    closed("surface.tangential_yorp.wall.coverage", 0.0, 1.0),
+    closed("surface.tangential_yorp.wall.thickness_m", 1e-5, 100.0),
+    closed("surface.tangential_yorp.wall.conductivity_w_m_k", 1e-4, 100.0),
+    closed("surface.tangential_yorp.wall.thermal_inertia", 1.0, 1e4),
     closed("torque.obliquity_step_deg", 0.1, 90.0).note("and a divisor of 180"),
     closed("torque.azimuth_bins", 16.0, 2880.0).note("and a multiple of 8"),
     closed("torque.declination_nodes", 5.0, 1441.0).note("and odd"),
+    closed("torque.facet_samples", 1.0, 256.0).note("and a square number"),
+    closed("torque.rotation_cells", 16.0, 1024.0).note("and even"),
+    closed("torque.spin_rates", 2.0, 100.0),
+    closed("torque.shortest_period_h", 0.1, 1000.0),
     closed("evolution.duration_myr", 0.0, 1e4),
     closed("evolution.spin_change", 1e-5, 0.5),
     closed("evolution.rk4_step_yr", 1.0, 1e6),
@@ -179,6 +187,10 @@ fn inconsistent(scene: &Scene) -> Option<Violation> {
         let allowed = limit("tiling.facets").expect("listed above").to_string();
         return violation("tiling.facets", scene.tiling.facets.to_string(), allowed);
     }
+    if scene.surface.sky_blockage_reflected && !scene.surface.sky_blockage {
+        let allowed = "false, unless surface.sky_blockage is true".into();
+        return violation("surface.sky_blockage_reflected", "true".into(), allowed);
+    }
     let step = scene.torque.obliquity_step_deg;
     let nodes = (180.0 / step).round();
     // 180/0.7 rounds to 257 but 257 steps of 0.7 miss the pole; 1.8 or 0.1 are not exact in binary and must pass.
@@ -190,6 +202,8 @@ fn inconsistent(scene: &Scene) -> Option<Violation> {
     for (path, value, fits) in [
         ("torque.azimuth_bins", torque.azimuth_bins, torque.azimuth_bins.is_multiple_of(8)),
         ("torque.declination_nodes", torque.declination_nodes, !torque.declination_nodes.is_multiple_of(2)),
+        ("torque.facet_samples", torque.facet_samples, torque.facet_samples.isqrt().pow(2) == torque.facet_samples),
+        ("torque.rotation_cells", torque.rotation_cells, torque.rotation_cells.is_multiple_of(2)),
     ] {
         if !fits {
             return violation(path, value.to_string(), limit(path).expect("listed above").to_string());

@@ -29,7 +29,7 @@ pub use evolution::{Evolution, MovementRule, TilingOptions};
 pub use plan::{Part, Plan};
 pub use radiation::{
     HapkeReflectance, Interpolation, LambertReflectance, MultipleScattering, Orbit, Reflectance, SelfHeating, Surface,
-    TangentialYorp, TorqueOptions,
+    TangentialYorp, TorqueOptions, Wall,
 };
 pub use read::{MAX_SCENE_BYTES, SceneFile};
 pub use schema::json_schema;

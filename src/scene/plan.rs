@@ -5,7 +5,10 @@
 
 use serde::Serialize;
 
-use super::{Body, Contact, GravityMethod, Interpolation, MovementRule, Packing, Reflectance, Scene, Track};
+use super::{
+    Body, Contact, GravityMethod, Interpolation, MovementRule, Packing, Reflectance, Scene, SelfHeating,
+    TangentialYorp, Track,
+};
 
 /// What a scene will run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -142,28 +145,94 @@ fn radiation(scene: &Scene, parts: &mut Vec<Part>) {
         }
         Reflectance::Lambert(_) => on("reflected light", "Lambert, in closed form", "surface.reflectance"),
     });
-    parts.push(on("thermal recoil", "Lambertian emission where and when light is absorbed", "zero thermal inertia"));
+    let stores_heat = surface.thermal_inertia > 0.0;
+    parts.push(if stores_heat {
+        on("thermal recoil", "Lambertian emission by the temperature of the ground", "surface.thermal_inertia is not 0")
+    } else {
+        on("thermal recoil", "Lambertian emission where and when light is absorbed", "zero thermal inertia")
+    });
+    let seen_from = match scene.torque.facet_samples {
+        1 => "every facet's centroid".to_owned(),
+        samples => format!("{samples} points of every facet that sees others"),
+    };
     parts.push(if surface.shadows {
-        on("shadows", "horizon map of every facet's centroid", "skipped at run time while the surface is convex")
+        on("shadows", format!("horizon map of {seen_from}"), "skipped at run time while the surface is convex")
     } else {
         off("shadows", "surface.shadows is false")
     });
-    parts.push(if surface.sky_blockage {
-        on("sky blockage", "integrals over the same horizon map", "skipped at run time while the surface is convex")
-    } else {
-        off("sky blockage", "surface.sky_blockage is false")
+    parts.push(match (surface.self_heating, surface.sky_blockage) {
+        (SelfHeating::None, false) => off("sky blockage", "surface.sky_blockage is false"),
+        (SelfHeating::None, true) => on(
+            "sky blockage",
+            if surface.sky_blockage_reflected {
+                "integrals over the same horizon map, for emitted and reflected light"
+            } else {
+                "integrals over the same horizon map, for emitted light"
+            },
+            "skipped at run time while the surface is convex",
+        ),
+        _ => off("sky blockage", "self-heating follows the light that meets the body, so nothing is lost"),
     });
-    parts.push(off("heat conduction", "thermal_inertia = 0: one table serves all spin rates, emissivity cancels"));
-    parts.push(off("self-heating", "surface.self_heating is none"));
-    parts.push(off("tangential YORP", "surface.tangential_yorp is none"));
+    parts.push(match surface.self_heating {
+        SelfHeating::None => off("self-heating", "surface.self_heating is none"),
+        SelfHeating::Single => {
+            on("self-heating", "light followed to the first facet that it meets", "view factors from the horizon map")
+        }
+        SelfHeating::Multiple => {
+            on("self-heating", "light followed until it leaves the body", "view factors from the horizon map")
+        }
+    });
+    heat(scene, parts);
+}
+
+/// What the ground and its stones do with the heat.
+fn heat(scene: &Scene, parts: &mut Vec<Part>) {
+    let (surface, torque) = (&scene.surface, &scene.torque);
+    let stores_heat = surface.thermal_inertia > 0.0;
+    let walls = matches!(surface.tangential_yorp, TangentialYorp::Wall(_));
+    parts.push(if stores_heat {
+        on(
+            "heat conduction",
+            format!("half-space of Gamma = {}, {} cells a rotation", surface.thermal_inertia, torque.rotation_cells),
+            "surface.thermal_inertia is not 0",
+        )
+    } else {
+        off("heat conduction", "thermal_inertia = 0: emissivity cancels")
+    });
+    parts.push(match &surface.tangential_yorp {
+        TangentialYorp::None => off("tangential YORP", "surface.tangential_yorp is none"),
+        TangentialYorp::Wall(wall) => on(
+            "tangential YORP",
+            format!("walls {} m thick, on {} of the ground", wall.thickness_m, wall.coverage),
+            "surface.tangential_yorp",
+        ),
+    });
+    parts.push(if stores_heat || walls {
+        on(
+            "torque over spin rates",
+            format!("{} spin rates from 0 to a period of {} h", torque.spin_rates, torque.shortest_period_h),
+            "stored heat makes torques depend on the spin rate; beyond the last one they are taken as constant",
+        )
+    } else {
+        off("torque over spin rates", "without stored heat one table serves all spin rates")
+    });
     parts.push(off(
-        "orbital anomaly",
-        if scene.orbit.eccentricity == 0.0 {
-            "the orbit is a circle"
-        } else {
-            "without heat storage an eccentric orbit only scales the torques by 1/sqrt(1 - e^2)"
+        "seasonal heat",
+        match taco::seasonal_heat(&surface.to_taco(), &scene.orbit.to_taco()) {
+            Some(warning) => warning.to_string(),
+            None if stores_heat => "what the ground stores over seasons is too little to matter".to_owned(),
+            None => "thermal_inertia = 0".to_owned(),
         },
     ));
+    parts.push(match (scene.orbit.eccentricity > 0.0, stores_heat || walls) {
+        (false, _) => off("orbital anomaly", "the orbit is a circle"),
+        (true, false) => {
+            off("orbital anomaly", "without heat storage an eccentric orbit only scales the torques by 1/sqrt(1 - e^2)")
+        }
+        (true, true) => {
+            on("orbital anomaly", "heat at several distances from the Sun", "temperatures do not scale with the flux")
+        }
+    });
 }
 
 /// How spin and shape go on from there.
@@ -237,5 +306,22 @@ mod tests {
         let black = HapkeReflectance { single_scattering_albedo: 0.0, ..HapkeReflectance::default() };
         scene.surface.reflectance = Reflectance::Hapke(black);
         assert!(!part(&scene, "reflected light").on);
+    }
+
+    #[test]
+    fn stored_heat_brings_its_parts_and_says_what_it_leaves_out() {
+        let mut scene = Scene::from_body(Body::File(FileBody { path: "a.csv".into() }));
+        for name in ["heat conduction", "torque over spin rates", "self-heating", "tangential YORP", "seasonal heat"] {
+            assert!(!part(&scene, name).on, "{name}");
+        }
+        scene.surface.thermal_inertia = 2000.0;
+        scene.orbit.eccentricity = 0.1;
+        for name in ["heat conduction", "torque over spin rates", "orbital anomaly"] {
+            assert!(part(&scene, name).on, "{name}");
+        }
+        scene.orbit.semimajor_axis_au = 3.0;
+        assert!(part(&scene, "seasonal heat").reason.contains("seasonal thermal parameter"));
+        scene.surface.self_heating = SelfHeating::Multiple;
+        assert!(part(&scene, "self-heating").on && !part(&scene, "sky blockage").on);
     }
 }

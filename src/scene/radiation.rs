@@ -26,7 +26,8 @@ impl Default for Orbit {
 pub struct Surface {
     /// How sunlight is scattered (default Hapke, average S-type).
     pub reflectance: Reflectance,
-    /// Thermal inertia, J m^-2 K^-1 s^-1/2 (default 0, absorbed light leaves where and when it arrived).
+    /// Thermal inertia, J m^-2 K^-1 s^-1/2 (default 0, absorbed light leaves where and when it arrived). Otherwise the
+    /// torques depend on the spin rate and are tabulated over it, see `torque.spin_rates`.
     pub thermal_inertia: f64,
     /// Thermal emissivity (default 0.9); without thermal inertia it cancels.
     pub emissivity: f64,
@@ -34,6 +35,9 @@ pub struct Surface {
     pub shadows: bool,
     /// Whether emitted light that meets another part of the body is taken off the recoil (default true).
     pub sky_blockage: bool,
+    /// Whether reflected light that meets another part of the body is taken off the recoil as well (default false); only
+    /// together with `sky_blockage`.
+    pub sky_blockage_reflected: bool,
     /// Whether light from one part of the body heats another (default none).
     pub self_heating: SelfHeating,
     /// Recoil of boulders that conduct heat through (Golubov & Krugly 2012) (default none).
@@ -48,6 +52,7 @@ impl Default for Surface {
             emissivity: 0.9,
             shadows: true,
             sky_blockage: true,
+            sky_blockage_reflected: false,
             self_heating: SelfHeating::None,
             tangential_yorp: TangentialYorp::None,
         }
@@ -122,22 +127,42 @@ impl Default for LambertReflectance {
     }
 }
 
-/// Heating of one part of the body by light from another.
+/// Heating of one part of the body by light from another, scattered sunlight and infrared alike.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum SelfHeating {
-    /// Left out.
+    /// Left out: the energy of light that meets the body again is lost.
     #[default]
     None,
+    /// Light is followed to the first facet that it meets.
+    Single,
+    /// Light is followed until it leaves the body.
+    Multiple,
 }
 
 /// Tangential YORP.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum TangentialYorp {
     /// Left out.
     #[default]
     None,
+    /// Stones as north-south walls on level ground.
+    Wall(Wall),
+}
+
+/// Walls that conduct heat from one side to the other; nothing is known well enough for a default.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Wall {
+    /// Area of walls (one side) per area of ground: the amplitude of the effect.
+    pub coverage: f64,
+    /// Thickness from the east to the west face, m.
+    pub thickness_m: f64,
+    /// Thermal conductivity of the stone, W m^-1 K^-1.
+    pub conductivity_w_m_k: f64,
+    /// Thermal inertia of the stone, J m^-2 K^-1 s^-1/2.
+    pub thermal_inertia: f64,
 }
 
 /// Sampling of the torque table.
@@ -154,11 +179,29 @@ pub struct TorqueOptions {
     /// Solar declinations from equator to pole at which the rotation is averaged, odd (default 37); time grows in
     /// proportion.
     pub declination_nodes: u32,
+    /// Points of a facet from which shadows and sky are seen, a square number (default 1, the centroid); the time of
+    /// facets that see others grows in proportion.
+    pub facet_samples: u32,
+    /// Cells of a rotation in which heat is followed, even (default 64); of no matter without stored heat.
+    pub rotation_cells: u32,
+    /// Spin rates of the table, from zero on (default 11); of no matter without stored heat. Time grows in proportion.
+    pub spin_rates: u32,
+    /// Period at the largest spin rate of the table, h (default 2); for faster spin the torques there are taken.
+    pub shortest_period_h: f64,
 }
 
 impl Default for TorqueOptions {
     fn default() -> Self {
-        Self { obliquity_step_deg: 5.0, interpolation: Interpolation::Cubic, azimuth_bins: 120, declination_nodes: 37 }
+        Self {
+            obliquity_step_deg: 5.0,
+            interpolation: Interpolation::Cubic,
+            azimuth_bins: 120,
+            declination_nodes: 37,
+            facet_samples: 1,
+            rotation_cells: 64,
+            spin_rates: 11,
+            shortest_period_h: 2.0,
+        }
     }
 }
 
