@@ -26,6 +26,8 @@ fn quick_accuracy_prints_one_curve_per_knob_and_writes_figure_and_page() {
         "spin_rates",
         "rk4_step",
         "spin_tolerance",
+        "ias15_tolerance",
+        "multipole_error",
     ];
     assert_eq!(names, expected);
     for knob in knobs {
