@@ -1,4 +1,4 @@
-//! The contact law: forces and torques of all pairs of a chunk, four pairs at a time.
+//! The contact law: forces and torques of all pairs of a chunk, eight pairs at a time.
 //!
 //! Schwartz et al. 2012 (Granular Matter 14, 363) for normal and tangential forces and the transport of the springs,
 //! Zhang et al. 2017 (Icarus 294, 98, eqs 2-12) for rolling and twisting, Zhang et al. 2018 (ApJ 857, 15) for cohesion.
@@ -9,7 +9,7 @@
 //! gains nor loses energy. The direction of the step before follows from the same velocities.
 
 use super::coefficients::Coefficients;
-use super::lanes::{LANES, Lanes, Quad, Vector};
+use super::lanes::{LANES, Lanes, Numbers, Quad, Vector, WIDE, Wide};
 use super::pairs::Chunk;
 use super::parameters::SlidingCap;
 use super::record::{self, DIRECTIONAL, FRICTIONLESS, FULL};
@@ -66,23 +66,23 @@ pub(super) unsafe fn contacts<V: Lanes, const MODEL: u8, const COHESIVE: bool, c
 
     // SAFETY: the caller vouches for the processor and the layout.
     unsafe {
-        let (zero, one, half) = (V::splat(0.0), V::splat(1.0), V::splat(0.5));
-        let h = V::splat(step);
-        let (k_n, c_n) = (V::splat(law.k_n), V::splat(law.c_n));
-        let (k_t, c_t, mu_s) = (V::splat(law.k_t), V::splat(law.c_t), V::splat(law.mu_s));
-        let mut deepest = V::splat(chunk.deepest);
+        let (zero, one, half) = (Wide::<V>::splat(0.0), Wide::<V>::splat(1.0), Wide::<V>::splat(0.5));
+        let h = Wide::<V>::splat(step);
+        let (k_n, c_n) = (Wide::<V>::splat(law.k_n), Wide::<V>::splat(law.c_n));
+        let (k_t, c_t, mu_s) = (Wide::<V>::splat(law.k_t), Wide::<V>::splat(law.c_t), Wide::<V>::splat(law.mu_s));
+        let mut deepest = Wide::<V>::splat(chunk.deepest);
         let mut heat = [zero; 7];
 
-        for (four, field) in chunk.index.iter().zip(chunk.fields.chunks_exact_mut(fields)) {
+        for (block, field) in chunk.index.iter().zip(chunk.fields.chunks_exact_mut(fields * WIDE / LANES)) {
             let field = field.as_mut_ptr().cast::<f64>();
             let (pi, pj) =
-                (four.i.map(|i| base.add(i as usize * stride)), four.j.map(|j| base.add(j as usize * stride)));
-            let (r, s, dr) = separation::<V>(pi, pj);
+                (block.i.map(|i| base.add(i as usize * stride)), block.j.map(|j| base.add(j as usize * stride)));
+            let (r, s, dr) = separation::<V>(&pi, &pj);
             let d2 = r.dot(r);
             let contact = d2.less(s * s);
             if !LEDGER && !contact.any() {
                 for k in memory..fields {
-                    zero.store(field.add(k * LANES));
+                    zero.store(field.add(k * WIDE));
                 }
                 continue;
             }
@@ -95,19 +95,19 @@ pub(super) unsafe fn contacts<V: Lanes, const MODEL: u8, const COHESIVE: bool, c
             let smaller = half * (s - dr.abs());
             let record = contact.keep((deepest * smaller).less(x));
             if record.any() {
-                let depth = contact.keep(x / smaller).to_array().into_iter().fold(deepest.to_array()[0], f64::max);
-                deepest = V::splat(depth);
+                let depth = contact.keep(x / smaller).largest().max(deepest.largest());
+                deepest = Wide::<V>::splat(depth);
             }
 
-            let sqrt_mu = V::load(field);
-            let dv = difference::<V>(pi, pj, record::PREDICTED);
+            let sqrt_mu = Wide::<V>::load(field);
+            let dv = difference::<V>(&pi, &pj, record::PREDICTED);
             let u_n = dv.dot(n);
             let push = c_n * sqrt_mu * u_n - k_n * x;
             let load = push.abs();
             let mut along = push;
             if COHESIVE {
-                let q = V::load(field.add(LANES));
-                along = along + V::splat(law.cohesion) * q * q;
+                let q = Wide::<V>::load(field.add(WIDE));
+                along = along + Wide::<V>::splat(law.cohesion) * q * q;
             }
             let mut force = n.times(along);
             if LEDGER {
@@ -119,21 +119,22 @@ pub(super) unsafe fn contacts<V: Lanes, const MODEL: u8, const COHESIVE: bool, c
                 let (arm, e) = (half * d, half * s * dr * inverse);
                 let differ = zero.less(dr.abs()).any();
                 let arms = (arm, e, differ);
-                let (w_sum, w_dif) = sum_and_difference::<V>(pi, pj, record::PREDICTED_SPIN);
+                let (w_sum, w_dif) = sum_and_difference::<V>(&pi, &pj, record::PREDICTED_SPIN);
                 let u = (dv - n.times(u_n)) - weighted(w_sum, w_dif, arms).cross(n);
 
                 // The same in the middle of the step, and the direction at its start.
-                let dv = difference::<V>(pi, pj, record::VELOCITY);
-                let (w_sum_mid, w_dif_mid) = sum_and_difference::<V>(pi, pj, record::SPIN);
+                let dv = difference::<V>(&pi, &pj, record::VELOCITY);
+                let (w_sum_mid, w_dif_mid) = sum_and_difference::<V>(&pi, &pj, record::SPIN);
                 let u_mid = (dv - n.times(dv.dot(n))) - weighted(w_sum_mid, w_dif_mid, arms).cross(n);
                 let old = r - dv.times(h);
                 let old2 = old.dot(old);
                 let was = old2.less(s * s);
                 let old = old.times(one / old2.sqrt());
-                let turn = Turn::new(old, n, V::splat(0.25 * step) * w_sum_mid.dot(n));
+                let turn = Turn::new(old, n, Wide::<V>::splat(0.25 * step) * w_sum_mid.dot(n));
 
-                let at = |k: usize| field.add((memory + k) * LANES);
-                let spring = turn.apply(Vector([V::load(at(0)), V::load(at(1)), V::load(at(2))]));
+                let at = |k: usize| field.add((memory + k) * WIDE);
+                let spring =
+                    turn.apply(Vector([Wide::<V>::load(at(0)), Wide::<V>::load(at(1)), Wide::<V>::load(at(2))]));
                 let trial = (spring + u_mid.times(h)).kept(was);
                 let dashpot = u.times(c_t * sqrt_mu);
                 let limit = mu_s * load;
@@ -178,7 +179,7 @@ pub(super) unsafe fn contacts<V: Lanes, const MODEL: u8, const COHESIVE: bool, c
                 let lever = n.cross(rub);
                 let (mut on_i, mut on_j) = (lever.times(arm - e), lever.times(arm + e));
                 if MODEL == FULL {
-                    let q = V::load(field.add(LANES));
+                    let q = Wide::<V>::load(field.add(WIDE));
                     let q2 = q * q;
                     let width = q * load;
                     let twist = w_dif.dot(n);
@@ -190,9 +191,10 @@ pub(super) unsafe fn contacts<V: Lanes, const MODEL: u8, const COHESIVE: bool, c
                         roll_mid = roll_mid + n.cross(u_mid).times(unequal);
                     }
 
-                    let (k_r, c_r) = (V::splat(law.k_r) * q2, V::splat(law.c_r) * q2 * sqrt_mu);
-                    let limit = V::splat(law.m_r) * width;
-                    let spring = turn.apply(Vector([V::load(at(3)), V::load(at(4)), V::load(at(5))]));
+                    let (k_r, c_r) = (Wide::<V>::splat(law.k_r) * q2, Wide::<V>::splat(law.c_r) * q2 * sqrt_mu);
+                    let limit = Wide::<V>::splat(law.m_r) * width;
+                    let spring =
+                        turn.apply(Vector([Wide::<V>::load(at(3)), Wide::<V>::load(at(4)), Wide::<V>::load(at(5))]));
                     let trial = (spring + roll_mid.times(h)).kept(was);
                     let mut spring = trial;
                     let mut torque = trial.times(k_r) + roll.times(c_r);
@@ -219,9 +221,9 @@ pub(super) unsafe fn contacts<V: Lanes, const MODEL: u8, const COHESIVE: bool, c
                         heat[4] = heat[4] + lost + slips.keep(rubbed) + beside;
                     }
 
-                    let (k_w, c_w) = (V::splat(law.k_w) * q2, V::splat(law.c_w) * q2 * sqrt_mu);
-                    let limit = V::splat(law.m_w) * width;
-                    let trial = was.keep(V::load(at(6)) + h * twist_mid);
+                    let (k_w, c_w) = (Wide::<V>::splat(law.k_w) * q2, Wide::<V>::splat(law.c_w) * q2 * sqrt_mu);
+                    let limit = Wide::<V>::splat(law.m_w) * width;
+                    let trial = was.keep(Wide::<V>::load(at(6)) + h * twist_mid);
                     let slips = contact.without((k_w * trial.abs()).less(limit));
                     let held = zero.less(trial).choose(limit, trial.less(zero).choose(-limit, zero));
                     let about = slips.choose(held, k_w * trial + c_w * twist);
@@ -238,27 +240,27 @@ pub(super) unsafe fn contacts<V: Lanes, const MODEL: u8, const COHESIVE: bool, c
                 }
                 if MODEL == DIRECTIONAL {
                     let constants = memory - 2;
-                    let age = contact.keep(was.keep(V::load(at(3)) + h));
+                    let age = contact.keep(was.keep(Wide::<V>::load(at(3)) + h));
                     age.store(at(3));
-                    let mature = contact.without(age.less(V::splat(law.contact_time) * sqrt_mu));
+                    let mature = contact.without(age.less(Wide::<V>::splat(law.contact_time) * sqrt_mu));
                     // v_rot = l_i w_i x n - l_j w_j x n; with n across it, |v_rot| = |l_i w_i - l_j w_j| across n.
                     let (w_i, w_j) = ((w_sum - w_dif).times(half), (w_sum + w_dif).times(half));
                     let rolling = w_i.times(arm - e) - w_j.times(arm + e);
                     let rolling = rolling - n.times(rolling.dot(n));
                     let speed = rolling.dot(rolling).sqrt();
-                    let per_step = V::splat(TAKEN_IN_A_STEP / law.step_s);
-                    let most = per_step * V::load(field.add(constants * LANES)) * speed;
+                    let per_step = Wide::<V>::splat(TAKEN_IN_A_STEP / law.step_s);
+                    let most = per_step * Wide::<V>::load(field.add(constants * WIDE)) * speed;
                     // The arm of the smaller sphere, so that the torques on the two are opposite.
-                    let size = V::splat(law.m_r) * (arm - e.abs()) * load;
+                    let size = Wide::<V>::splat(law.m_r) * (arm - e.abs()) * load;
                     let size = most.less(size).choose(most, size);
                     let against_roll = rolling.times(-nonzero(speed, size / speed));
                     let twist = w_dif.dot(n);
-                    let most = per_step * V::load(field.add((constants + 1) * LANES)) * twist.abs();
+                    let most = per_step * Wide::<V>::load(field.add((constants + 1) * WIDE)) * twist.abs();
                     // Contact-circle radius; the circle is inside the sphere, but round-off may say otherwise.
                     let radius = half * (s - dr);
                     let circle2 = radius * radius - (arm - e) * (arm - e);
                     let circle = zero.less(circle2).keep(circle2).sqrt();
-                    let size = V::splat(law.m_w) * circle * load;
+                    let size = Wide::<V>::splat(law.m_w) * circle * load;
                     let size = most.less(size).choose(most, size);
                     let about = zero.less(twist).choose(size, twist.less(zero).choose(-size, zero));
                     let torque = (against_roll + n.times(about)).kept(mature);
@@ -269,34 +271,35 @@ pub(super) unsafe fn contacts<V: Lanes, const MODEL: u8, const COHESIVE: bool, c
                     (on_i, on_j) = (on_i + torque, on_j - torque);
                 }
 
-                let [fx, fy, fz] = force.kept(contact).0;
-                let [ix, iy, iz] = on_i.kept(contact).0;
-                let [jx, jy, jz] = on_j.kept(contact).0;
-                let force = V::transpose([fx, fy, fz, zero]);
-                let on_i = V::transpose([ix, iy, iz, zero]);
-                let on_j = V::transpose([jx, jy, jz, zero]);
-                for (k, force) in force.into_iter().enumerate() {
-                    let sum = acc.add(four.sum_i[k] as usize * acc_stride);
-                    (V::load(sum) + force).store(sum);
-                    let turn = sum.add(LANES);
-                    (V::load(turn) + on_i[k]).store(turn);
-                    let sum = acc.add(four.sum_j[k] as usize * acc_stride);
-                    (V::load(sum) - force).store(sum);
-                    let turn = sum.add(LANES);
-                    (V::load(turn) + on_j[k]).store(turn);
+                let (force, on_i, on_j) = (force.kept(contact), on_i.kept(contact), on_j.kept(contact));
+                for half in 0..2 {
+                    let (force, on_i, on_j) = (rows(force, half), rows(on_i, half), rows(on_j, half));
+                    for k in 0..LANES {
+                        let lane = half * LANES + k;
+                        let sum = acc.add(block.sum_i[lane] as usize * acc_stride);
+                        (V::load(sum) + force[k]).store(sum);
+                        let turn = sum.add(LANES);
+                        (V::load(turn) + on_i[k]).store(turn);
+                        let sum = acc.add(block.sum_j[lane] as usize * acc_stride);
+                        (V::load(sum) - force[k]).store(sum);
+                        let turn = sum.add(LANES);
+                        (V::load(turn) + on_j[k]).store(turn);
+                    }
                 }
             } else {
-                let [fx, fy, fz] = force.kept(contact).0;
-                let force = V::transpose([fx, fy, fz, zero]);
-                for (k, force) in force.into_iter().enumerate() {
-                    let sum = acc.add(four.sum_i[k] as usize * acc_stride);
-                    (V::load(sum) + force).store(sum);
-                    let sum = acc.add(four.sum_j[k] as usize * acc_stride);
-                    (V::load(sum) - force).store(sum);
+                let force = force.kept(contact);
+                for half in 0..2 {
+                    for (k, force) in rows(force, half).into_iter().enumerate() {
+                        let lane = half * LANES + k;
+                        let sum = acc.add(block.sum_i[lane] as usize * acc_stride);
+                        (V::load(sum) + force).store(sum);
+                        let sum = acc.add(block.sum_j[lane] as usize * acc_stride);
+                        (V::load(sum) - force).store(sum);
+                    }
                 }
             }
         }
-        chunk.deepest = deepest.to_array()[0];
+        chunk.deepest = deepest.largest();
         if LEDGER {
             let Heat {
                 normal,
@@ -317,7 +320,7 @@ pub(super) unsafe fn contacts<V: Lanes, const MODEL: u8, const COHESIVE: bool, c
                 twisting_slider,
             ];
             for (book, sum) in books.into_iter().zip(heat) {
-                *book += sum.to_array().iter().sum::<f64>();
+                *book += sum.total();
             }
         }
     }
@@ -326,59 +329,76 @@ pub(super) unsafe fn contacts<V: Lanes, const MODEL: u8, const COHESIVE: bool, c
 /// l_i w_i + l_j w_j from the sum and difference of the spins, half the distance, half the difference of the lever arms and
 /// whether that is anything but zero.
 #[inline(always)]
-fn weighted<V: Lanes>(sum: Vector<V>, difference: Vector<V>, (arm, e, differ): (V, V, bool)) -> Vector<V> {
+fn weighted<V: Numbers>(sum: Vector<V>, difference: Vector<V>, (arm, e, differ): (V, V, bool)) -> Vector<V> {
     if differ { sum.times(arm) + difference.times(e) } else { sum.times(arm) }
 }
 
 /// `value` where `size` is more than nothing, 0 elsewhere: what a vector without a direction gives.
 #[inline(always)]
-fn nonzero<V: Lanes>(size: V, value: V) -> V {
+fn nonzero<V: Numbers>(size: V, value: V) -> V {
     // SAFETY: there are values of the type, so the processor has it.
     let none = unsafe { V::splat(0.0) };
     none.less(size).keep(value)
 }
 
+/// The vectors of one half of the lanes, each as a quad.
+#[inline(always)]
+fn rows<V: Lanes>(v: Vector<Wide<V>>, half: usize) -> [V; LANES] {
+    let [x, y, z] = v.0;
+    // SAFETY: there are values of the type, so the processor has it.
+    V::transpose([x.0[half], y.0[half], z.0[half], unsafe { V::splat(0.0) }])
+}
+
+/// Where the numbers `at`, `at + 1` of four records begin.
+#[inline(always)]
+unsafe fn four(p: &[*const f64; WIDE], half: usize, at: usize) -> [*const f64; LANES] {
+    let k = half * LANES;
+    unsafe { [p[k].add(at), p[k + 1].add(at), p[k + 2].add(at), p[k + 3].add(at)] }
+}
+
+/// Numbers `at` and `at + 1` of the records: their differences, j minus i, and their sums.
+#[inline(always)]
+unsafe fn both<V: Lanes>(pi: &[*const f64; WIDE], pj: &[*const f64; WIDE], at: usize) -> ([Wide<V>; 2], [Wide<V>; 2]) {
+    unsafe {
+        let (i, j) = (V::pairs(four(pi, 0, at)), V::pairs(four(pj, 0, at)));
+        let [d0, e0] = V::unzip([j[0] - i[0], j[1] - i[1]]);
+        let [s0, t0] = V::unzip([j[0] + i[0], j[1] + i[1]]);
+        let (i, j) = (V::pairs(four(pi, 1, at)), V::pairs(four(pj, 1, at)));
+        let [d1, e1] = V::unzip([j[0] - i[0], j[1] - i[1]]);
+        let [s1, t1] = V::unzip([j[0] + i[0], j[1] + i[1]]);
+        ([Wide([d0, d1]), Wide([e0, e1])], [Wide([s0, s1]), Wide([t0, t1])])
+    }
+}
+
 /// Vectors from i to j, sums of the radii and differences R_j - R_i.
 #[inline(always)]
-unsafe fn separation<V: Lanes>(pi: [*const f64; LANES], pj: [*const f64; LANES]) -> (Vector<V>, V, V) {
+unsafe fn separation<V: Lanes>(
+    pi: &[*const f64; WIDE],
+    pj: &[*const f64; WIDE],
+) -> (Vector<Wide<V>>, Wide<V>, Wide<V>) {
     unsafe {
-        let (i, j) = (V::pairs(pi), V::pairs(pj));
-        let [x, y] = V::unzip([j[0] - i[0], j[1] - i[1]]);
-        let (i, j) = (V::pairs(pi.map(|p| p.add(2))), V::pairs(pj.map(|p| p.add(2))));
-        let [z, dr] = V::unzip([j[0] - i[0], j[1] - i[1]]);
-        let [_, s] = V::unzip([j[0] + i[0], j[1] + i[1]]);
+        let ([x, y], _) = both::<V>(pi, pj, record::PLACE * LANES);
+        let ([z, dr], [_, s]) = both::<V>(pi, pj, record::PLACE * LANES + 2);
         (Vector([x, y, z]), s, dr)
     }
 }
 
 /// Difference, j minus i, of the vectors in one quad of the records.
 #[inline(always)]
-unsafe fn difference<V: Lanes>(pi: [*const f64; LANES], pj: [*const f64; LANES], quad: usize) -> Vector<V> {
-    unsafe {
-        let at = quad * LANES;
-        let (i, j) = (V::pairs(pi.map(|p| p.add(at))), V::pairs(pj.map(|p| p.add(at))));
-        let [x, y] = V::unzip([j[0] - i[0], j[1] - i[1]]);
-        let (i, j) = (V::pairs(pi.map(|p| p.add(at + 2))), V::pairs(pj.map(|p| p.add(at + 2))));
-        let [z, _] = V::unzip([j[0] - i[0], j[1] - i[1]]);
-        Vector([x, y, z])
-    }
+unsafe fn difference<V: Lanes>(pi: &[*const f64; WIDE], pj: &[*const f64; WIDE], quad: usize) -> Vector<Wide<V>> {
+    unsafe { sum_and_difference::<V>(pi, pj, quad).1 }
 }
 
 /// Sum, and difference j minus i, of the vectors in one quad of the records.
 #[inline(always)]
 unsafe fn sum_and_difference<V: Lanes>(
-    pi: [*const f64; LANES],
-    pj: [*const f64; LANES],
+    pi: &[*const f64; WIDE],
+    pj: &[*const f64; WIDE],
     quad: usize,
-) -> (Vector<V>, Vector<V>) {
+) -> (Vector<Wide<V>>, Vector<Wide<V>>) {
     unsafe {
-        let at = quad * LANES;
-        let (i, j) = (V::pairs(pi.map(|p| p.add(at))), V::pairs(pj.map(|p| p.add(at))));
-        let [sx, sy] = V::unzip([j[0] + i[0], j[1] + i[1]]);
-        let [dx, dy] = V::unzip([j[0] - i[0], j[1] - i[1]]);
-        let (i, j) = (V::pairs(pi.map(|p| p.add(at + 2))), V::pairs(pj.map(|p| p.add(at + 2))));
-        let [sz, _] = V::unzip([j[0] + i[0], j[1] + i[1]]);
-        let [dz, _] = V::unzip([j[0] - i[0], j[1] - i[1]]);
+        let ([dx, dy], [sx, sy]) = both::<V>(pi, pj, quad * LANES);
+        let ([dz, _], [sz, _]) = both::<V>(pi, pj, quad * LANES + 2);
         (Vector([sx, sy, sz]), Vector([dx, dy, dz]))
     }
 }
@@ -395,7 +415,7 @@ struct Turn<V> {
     sin: V,
 }
 
-impl<V: Lanes> Turn<V> {
+impl<V: Numbers> Turn<V> {
     /// From `old` to `n`, then by the angle whose half has the tangent `t`.
     #[inline(always)]
     fn new(old: Vector<V>, n: Vector<V>, t: V) -> Self {

@@ -1,4 +1,4 @@
-//! Four numbers at a time: with AVX2 where the processor has it, plainly elsewhere, with the same bytes either way.
+//! Four or eight numbers at a time: with AVX2 where the processor has it, plainly elsewhere, with the same bytes either way.
 //!
 //! There is no fused multiply-add and no approximate reciprocal in it, so both kinds round alike. A value of a vector
 //! type can only be made by an unsafe constructor, whose caller vouches for the processor; all else is safe then.
@@ -7,6 +7,9 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// Numbers in a register.
 pub(super) const LANES: usize = 4;
+
+/// Numbers in two registers.
+pub(super) const WIDE: usize = 2 * LANES;
 
 /// Four numbers of one sphere, such as x, y, z and a fourth that belongs to it, aligned like a register.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -19,30 +22,21 @@ impl Quad {
     }
 }
 
-/// A register of four `f64`. Masks are registers whose lanes are all ones or all zeros.
-pub(super) trait Lanes:
+/// Numbers that are reckoned with side by side. Masks are such numbers whose lanes are all ones or all zeros.
+pub(super) trait Numbers:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self> + 'static
 {
-    /// The same number four times.
+    /// The same number in all lanes.
     ///
     /// # Safety
     /// The processor must have the instructions of the type, here and wherever the result goes.
     unsafe fn splat(value: f64) -> Self;
     /// # Safety
-    /// As [`Self::splat`]; `from` must point at four numbers aligned like a [`Quad`].
+    /// As [`Self::splat`]; `from` must point at a number for each lane, aligned like a [`Quad`].
     unsafe fn load(from: *const f64) -> Self;
     /// # Safety
     /// As [`Self::load`], for writing.
     unsafe fn store(self, to: *mut f64);
-    /// Two consecutive numbers from each of four places, to be taken apart by [`Self::unzip`].
-    ///
-    /// # Safety
-    /// As [`Self::splat`]; two numbers must follow each pointer.
-    unsafe fn pairs(from: [*const f64; LANES]) -> [Self; 2];
-    /// Makes the four first and the four second numbers of what [`Self::pairs`] gave, or of sums and differences.
-    fn unzip(pairs: [Self; 2]) -> [Self; 2];
-    /// Rows to columns.
-    fn transpose(rows: [Self; LANES]) -> [Self; LANES];
     fn sqrt(self) -> Self;
     fn abs(self) -> Self;
     /// Mask of the lanes that are less than those of `other`; false if one is not a number.
@@ -55,7 +49,102 @@ pub(super) trait Lanes:
     fn without(self, other: Self) -> Self;
     /// Whether a lane of the mask is set.
     fn any(self) -> bool;
-    fn to_array(self) -> [f64; LANES];
+    /// Sum of the lanes, in order.
+    fn total(self) -> f64;
+    /// The largest lane, or 0 if none is positive.
+    fn largest(self) -> f64;
+}
+
+/// A register of four `f64`.
+pub(super) trait Lanes: Numbers {
+    /// Two consecutive numbers from each of four places, to be taken apart by [`Self::unzip`].
+    ///
+    /// # Safety
+    /// As [`Self::splat`]; two numbers must follow each pointer.
+    unsafe fn pairs(from: [*const f64; LANES]) -> [Self; 2];
+    /// Makes the four first and the four second numbers of what [`Self::pairs`] gave, or of sums and differences.
+    fn unzip(pairs: [Self; 2]) -> [Self; 2];
+    /// Rows to columns.
+    fn transpose(rows: [Self; LANES]) -> [Self; LANES];
+}
+
+/// Two registers side by side: the second keeps the processor busy while the first waits for its divisions.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Wide<V>(pub [V; 2]);
+
+macro_rules! wide_operator {
+    ($($name:ident $function:ident),*) => {$(
+        impl<V: Lanes> $name for Wide<V> {
+            type Output = Self;
+            #[inline(always)]
+            fn $function(self, other: Self) -> Self {
+                Self([self.0[0].$function(other.0[0]), self.0[1].$function(other.0[1])])
+            }
+        }
+    )*};
+}
+wide_operator!(Add add, Sub sub, Mul mul, Div div);
+
+impl<V: Lanes> Neg for Wide<V> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self([-self.0[0], -self.0[1]])
+    }
+}
+
+impl<V: Lanes> Numbers for Wide<V> {
+    #[inline(always)]
+    unsafe fn splat(value: f64) -> Self {
+        unsafe { Self([V::splat(value); 2]) }
+    }
+    #[inline(always)]
+    unsafe fn load(from: *const f64) -> Self {
+        unsafe { Self([V::load(from), V::load(from.add(LANES))]) }
+    }
+    #[inline(always)]
+    unsafe fn store(self, to: *mut f64) {
+        unsafe {
+            self.0[0].store(to);
+            self.0[1].store(to.add(LANES));
+        }
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self([self.0[0].sqrt(), self.0[1].sqrt()])
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self([self.0[0].abs(), self.0[1].abs()])
+    }
+    #[inline(always)]
+    fn less(self, other: Self) -> Self {
+        Self([self.0[0].less(other.0[0]), self.0[1].less(other.0[1])])
+    }
+    #[inline(always)]
+    fn keep(self, value: Self) -> Self {
+        Self([self.0[0].keep(value.0[0]), self.0[1].keep(value.0[1])])
+    }
+    #[inline(always)]
+    fn choose(self, one: Self, other: Self) -> Self {
+        Self([self.0[0].choose(one.0[0], other.0[0]), self.0[1].choose(one.0[1], other.0[1])])
+    }
+    #[inline(always)]
+    fn without(self, other: Self) -> Self {
+        Self([self.0[0].without(other.0[0]), self.0[1].without(other.0[1])])
+    }
+    #[inline(always)]
+    fn any(self) -> bool {
+        self.0[0].any() | self.0[1].any()
+    }
+    #[inline(always)]
+    fn total(self) -> f64 {
+        self.0[0].total() + self.0[1].total()
+    }
+    #[inline(always)]
+    fn largest(self) -> f64 {
+        self.0[0].largest().max(self.0[1].largest())
+    }
 }
 
 /// [`Lanes`] for any processor.
@@ -96,7 +185,7 @@ impl Neg for Plain {
     }
 }
 
-impl Lanes for Plain {
+impl Numbers for Plain {
     #[inline(always)]
     unsafe fn splat(value: f64) -> Self {
         Self([value; LANES])
@@ -108,19 +197,6 @@ impl Lanes for Plain {
     #[inline(always)]
     unsafe fn store(self, to: *mut f64) {
         unsafe { *to.cast() = self }
-    }
-    #[inline(always)]
-    unsafe fn pairs(from: [*const f64; LANES]) -> [Self; 2] {
-        let [a, b, c, d] = from.map(|p| unsafe { [*p, *p.add(1)] });
-        [Self([a[0], a[1], c[0], c[1]]), Self([b[0], b[1], d[0], d[1]])]
-    }
-    #[inline(always)]
-    fn unzip([e, o]: [Self; 2]) -> [Self; 2] {
-        [Self([e.0[0], o.0[0], e.0[2], o.0[2]]), Self([e.0[1], o.0[1], e.0[3], o.0[3]])]
-    }
-    #[inline(always)]
-    fn transpose(rows: [Self; LANES]) -> [Self; LANES] {
-        std::array::from_fn(|k| Self(rows.map(|row| row.0[k])))
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
@@ -151,8 +227,28 @@ impl Lanes for Plain {
         self.0.iter().any(|m| m.to_bits() != 0)
     }
     #[inline(always)]
-    fn to_array(self) -> [f64; LANES] {
-        self.0
+    fn total(self) -> f64 {
+        self.0.iter().sum()
+    }
+    #[inline(always)]
+    fn largest(self) -> f64 {
+        self.0.into_iter().fold(0.0, f64::max)
+    }
+}
+
+impl Lanes for Plain {
+    #[inline(always)]
+    unsafe fn pairs(from: [*const f64; LANES]) -> [Self; 2] {
+        let [a, b, c, d] = from.map(|p| unsafe { [*p, *p.add(1)] });
+        [Self([a[0], a[1], c[0], c[1]]), Self([b[0], b[1], d[0], d[1]])]
+    }
+    #[inline(always)]
+    fn unzip([e, o]: [Self; 2]) -> [Self; 2] {
+        [Self([e.0[0], o.0[0], e.0[2], o.0[2]]), Self([e.0[1], o.0[1], e.0[3], o.0[3]])]
+    }
+    #[inline(always)]
+    fn transpose(rows: [Self; LANES]) -> [Self; LANES] {
+        std::array::from_fn(|k| Self(rows.map(|row| row.0[k])))
     }
 }
 
@@ -161,7 +257,7 @@ pub(super) use x86::Avx2;
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
-    use super::{Add, Div, LANES, Lanes, Mul, Neg, Quad, Sub};
+    use super::{Add, Div, LANES, Lanes, Mul, Neg, Numbers, Quad, Sub};
     use std::arch::x86_64::*;
 
     /// [`Lanes`] for processors with AVX2. Having a value of it is the proof that the processor has.
@@ -190,7 +286,7 @@ mod x86 {
         }
     }
 
-    impl Lanes for Avx2 {
+    impl Numbers for Avx2 {
         #[inline(always)]
         unsafe fn splat(value: f64) -> Self {
             Self(unsafe { _mm256_set1_pd(value) })
@@ -202,32 +298,6 @@ mod x86 {
         #[inline(always)]
         unsafe fn store(self, to: *mut f64) {
             unsafe { _mm256_store_pd(to, self.0) }
-        }
-        #[inline(always)]
-        unsafe fn pairs([a, b, c, d]: [*const f64; LANES]) -> [Self; 2] {
-            unsafe {
-                [
-                    Self(_mm256_set_m128d(_mm_loadu_pd(c), _mm_loadu_pd(a))),
-                    Self(_mm256_set_m128d(_mm_loadu_pd(d), _mm_loadu_pd(b))),
-                ]
-            }
-        }
-        #[inline(always)]
-        fn unzip([even, odd]: [Self; 2]) -> [Self; 2] {
-            unsafe { [Self(_mm256_unpacklo_pd(even.0, odd.0)), Self(_mm256_unpackhi_pd(even.0, odd.0))] }
-        }
-        #[inline(always)]
-        fn transpose([a, b, c, d]: [Self; LANES]) -> [Self; LANES] {
-            unsafe {
-                let (ab_even, ab_odd) = (_mm256_unpacklo_pd(a.0, b.0), _mm256_unpackhi_pd(a.0, b.0));
-                let (cd_even, cd_odd) = (_mm256_unpacklo_pd(c.0, d.0), _mm256_unpackhi_pd(c.0, d.0));
-                [
-                    Self(_mm256_permute2f128_pd::<0x20>(ab_even, cd_even)),
-                    Self(_mm256_permute2f128_pd::<0x20>(ab_odd, cd_odd)),
-                    Self(_mm256_permute2f128_pd::<0x31>(ab_even, cd_even)),
-                    Self(_mm256_permute2f128_pd::<0x31>(ab_odd, cd_odd)),
-                ]
-            }
         }
         #[inline(always)]
         fn sqrt(self) -> Self {
@@ -258,6 +328,46 @@ mod x86 {
             unsafe { _mm256_movemask_pd(self.0) != 0 }
         }
         #[inline(always)]
+        fn total(self) -> f64 {
+            self.to_array().iter().sum()
+        }
+        #[inline(always)]
+        fn largest(self) -> f64 {
+            self.to_array().into_iter().fold(0.0, f64::max)
+        }
+    }
+
+    impl Lanes for Avx2 {
+        #[inline(always)]
+        unsafe fn pairs([a, b, c, d]: [*const f64; LANES]) -> [Self; 2] {
+            unsafe {
+                [
+                    Self(_mm256_set_m128d(_mm_loadu_pd(c), _mm_loadu_pd(a))),
+                    Self(_mm256_set_m128d(_mm_loadu_pd(d), _mm_loadu_pd(b))),
+                ]
+            }
+        }
+        #[inline(always)]
+        fn unzip([even, odd]: [Self; 2]) -> [Self; 2] {
+            unsafe { [Self(_mm256_unpacklo_pd(even.0, odd.0)), Self(_mm256_unpackhi_pd(even.0, odd.0))] }
+        }
+        #[inline(always)]
+        fn transpose([a, b, c, d]: [Self; LANES]) -> [Self; LANES] {
+            unsafe {
+                let (ab_even, ab_odd) = (_mm256_unpacklo_pd(a.0, b.0), _mm256_unpackhi_pd(a.0, b.0));
+                let (cd_even, cd_odd) = (_mm256_unpacklo_pd(c.0, d.0), _mm256_unpackhi_pd(c.0, d.0));
+                [
+                    Self(_mm256_permute2f128_pd::<0x20>(ab_even, cd_even)),
+                    Self(_mm256_permute2f128_pd::<0x20>(ab_odd, cd_odd)),
+                    Self(_mm256_permute2f128_pd::<0x31>(ab_even, cd_even)),
+                    Self(_mm256_permute2f128_pd::<0x31>(ab_odd, cd_odd)),
+                ]
+            }
+        }
+    }
+
+    impl Avx2 {
+        #[inline(always)]
         fn to_array(self) -> [f64; LANES] {
             let mut out = Quad::default();
             unsafe { self.store(out.0.as_mut_ptr()) };
@@ -270,7 +380,7 @@ mod x86 {
 #[derive(Clone, Copy)]
 pub(super) struct Vector<V>(pub [V; 3]);
 
-impl<V: Lanes> Vector<V> {
+impl<V: Numbers> Vector<V> {
     #[inline(always)]
     pub fn dot(self, other: Self) -> V {
         let ([a, b, c], [x, y, z]) = (self.0, other.0);
@@ -300,7 +410,7 @@ impl<V: Lanes> Vector<V> {
     }
 }
 
-impl<V: Lanes> Add for Vector<V> {
+impl<V: Numbers> Add for Vector<V> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
@@ -309,7 +419,7 @@ impl<V: Lanes> Add for Vector<V> {
     }
 }
 
-impl<V: Lanes> Sub for Vector<V> {
+impl<V: Numbers> Sub for Vector<V> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {

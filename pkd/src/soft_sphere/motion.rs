@@ -170,8 +170,8 @@ pub(super) unsafe fn advance<V: Lanes, const MODEL: u8, const KIND: u8>(
         Moved {
             strayed: strayed.any(),
             stale: stale.any(),
-            torque: [total(torque.0[0]), total(torque.0[1]), total(torque.0[2])],
-            moments: std::array::from_fn(|k| total(moments[k])),
+            torque: [torque.0[0].total(), torque.0[1].total(), torque.0[2].total()],
+            moments: std::array::from_fn(|k| moments[k].total()),
         }
     }
 }
@@ -187,9 +187,4 @@ unsafe fn within<V: Lanes>(place: Vector<V>, reference: *const f64) -> V {
         let away = place - Vector(from);
         away.dot(away).less(V::load(reference.add(3 * LANES)))
     }
-}
-
-#[inline(always)]
-fn total<V: Lanes>(v: V) -> f64 {
-    v.to_array().iter().sum()
 }

@@ -8,19 +8,19 @@
 use super::coefficients::Coefficients;
 use super::history::Contact;
 use super::kernel::Heat;
-use super::lanes::{LANES, Quad};
+use super::lanes::{LANES, Quad, WIDE};
 use super::record;
 
 /// Spheres of a chunk: their records, sums and pairs fit the second-level cache of a core.
 pub(super) const CHUNK: usize = 512;
 
-/// Four pairs: the rows of their spheres, and the places of these in the chunk's sums.
+/// Eight pairs: the rows of their spheres, and the places of these in the chunk's sums.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Four {
-    pub i: [u32; LANES],
-    pub j: [u32; LANES],
-    pub sum_i: [u32; LANES],
-    pub sum_j: [u32; LANES],
+pub(super) struct Eight {
+    pub i: [u32; WIDE],
+    pub j: [u32; WIDE],
+    pub sum_i: [u32; WIDE],
+    pub sum_j: [u32; WIDE],
 }
 
 /// A contribution to the sums of an own sphere that another chunk has computed.
@@ -36,8 +36,8 @@ pub(super) struct Incoming {
 /// Consecutive spheres and the pairs that start with one of them.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Chunk {
-    pub index: Vec<Four>,
-    /// For each four pairs: constants, then memory, as [`record`] says.
+    pub index: Vec<Eight>,
+    /// For each eight pairs: constants, then memory, as [`record`] says.
     pub fields: Vec<Quad>,
     /// Forces and torques: own spheres, then foreign ones, then some that nobody asks for.
     pub sums: Vec<Quad>,
@@ -58,7 +58,7 @@ pub(super) struct Pairs {
     pub foreign: Vec<Vec<Quad>>,
     model: u8,
     cohesive: bool,
-    /// Row of the sphere that fills up fours.
+    /// Row of the sphere that fills up eights.
     nobody: u32,
 }
 
@@ -107,7 +107,7 @@ impl Pairs {
             chunk.own = own.len();
             separate.clear();
             let mut lane = 0;
-            // Pairs that touch come first: fours that do not are passed over quickly.
+            // Pairs that touch come first: eights that do not are passed over quickly.
             for &(i, j) in here {
                 let [one, other] = [i, j].map(|s| &records[s as usize * quads + record::PLACE]);
                 if (other.xyz() - one.xyz()).norm() < one.0[3] + other.0[3] {
@@ -123,10 +123,10 @@ impl Pairs {
                 self.push(&mut chunk, &mut lane, (i, j), sums, remembered, records, law);
             }
             let nobody = (own.len() + foreign.len()) as u32;
-            for four in &mut chunk.index {
-                for lane in 0..LANES {
-                    if four.j[lane] == self.nobody {
-                        (four.sum_i[lane], four.sum_j[lane]) = (nobody, nobody);
+            for eight in &mut chunk.index {
+                for lane in 0..WIDE {
+                    if eight.j[lane] == self.nobody {
+                        (eight.sum_i[lane], eight.sum_j[lane]) = (nobody, nobody);
                     }
                 }
             }
@@ -148,7 +148,7 @@ impl Pairs {
         }
     }
 
-    /// Appends a pair to a chunk; `lane` is the place in the last four, 0 for a new one.
+    /// Appends a pair to a chunk; `lane` is the place in the last eight, 0 for a new one.
     #[expect(clippy::too_many_arguments, reason = "the loop body of `fill`, which has it twice")]
     fn push(
         &self,
@@ -164,23 +164,23 @@ impl Pairs {
         let (constants, width) =
             (record::constants(self.model, self.cohesive), record::fields(self.model, self.cohesive));
         if *lane == 0 {
-            let filling = Four { i: [i; LANES], j: [self.nobody; LANES], sum_i: [0; LANES], sum_j: [0; LANES] };
+            let filling = Eight { i: [i; WIDE], j: [self.nobody; WIDE], sum_i: [0; WIDE], sum_j: [0; WIDE] };
             chunk.index.push(filling);
-            chunk.fields.extend(std::iter::repeat_n(Quad::default(), width));
+            chunk.fields.extend(std::iter::repeat_n(Quad::default(), width * WIDE / LANES));
         }
-        let four = chunk.index.last_mut().expect("one was pushed for the first lane");
-        (four.i[*lane], four.j[*lane], four.sum_i[*lane], four.sum_j[*lane]) = (i, j, sum_i, sum_j);
-        let at = chunk.fields.len() - width;
-        let fields = &mut chunk.fields[at..];
+        let eight = chunk.index.last_mut().expect("one was pushed for the first lane");
+        (eight.i[*lane], eight.j[*lane], eight.sum_i[*lane], eight.sum_j[*lane]) = (i, j, sum_i, sum_j);
+        let at = chunk.fields.len() - width * WIDE / LANES;
+        let (half, within) = (*lane / LANES, *lane % LANES);
+        let mut fields = chunk.fields[at + half..].iter_mut().step_by(WIDE / LANES).map(|quad| &mut quad.0[within]);
         self::constants(self.model, self.cohesive, law, [i, j].map(|s| &records[s as usize * quads..]))
             .into_iter()
-            .zip(&mut *fields)
-            .for_each(|(value, quad)| quad.0[*lane] = value);
+            .zip(fields.by_ref().take(constants))
+            .for_each(|(value, field)| *field = value);
         if let Ok(m) = remembered.binary_search_by_key(&(i, j), |m| (m.first, m.second)) {
-            let memory = fields[constants..].iter_mut().map(|quad| &mut quad.0[*lane]);
-            put_memory(self.model, &remembered[m], memory);
+            put_memory(self.model, &remembered[m], fields);
         }
-        *lane = (*lane + 1) % LANES;
+        *lane = (*lane + 1) % WIDE;
     }
 
     /// Calls `visit` with the rows and the memory of every pair.
@@ -188,11 +188,11 @@ impl Pairs {
         let (constants, fields) =
             (record::constants(self.model, self.cohesive), record::fields(self.model, self.cohesive));
         for chunk in &self.chunks {
-            for (four, fields) in chunk.index.iter().zip(chunk.fields.chunks_exact(fields)) {
-                for lane in 0..LANES {
-                    if four.j[lane] != self.nobody {
-                        let memory = |k: usize| fields[constants + k].0[lane];
-                        visit(get_memory(self.model, four.i[lane], four.j[lane], memory));
+            for (eight, fields) in chunk.index.iter().zip(chunk.fields.chunks_exact(fields * WIDE / LANES)) {
+                for lane in 0..WIDE {
+                    if eight.j[lane] != self.nobody {
+                        let memory = |k: usize| fields[(constants + k) * WIDE / LANES + lane / LANES].0[lane % LANES];
+                        visit(get_memory(self.model, eight.i[lane], eight.j[lane], memory));
                     }
                 }
             }

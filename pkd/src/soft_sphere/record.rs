@@ -43,7 +43,7 @@ pub(super) const fn sums(model: u8) -> usize {
     if model == FRICTIONLESS { 1 } else { 2 }
 }
 
-/// Quads of constants of four pairs, in this order: square root of the reduced mass; beta R_eff, for rolling, twisting or
+/// How many constants a pair has, in this order: square root of the reduced mass; beta R_eff, for rolling, twisting or
 /// cohesion; the inertias against rolling (kg m) and twisting (kg m²) of the directional model.
 pub(super) const fn constants(model: u8, cohesive: bool) -> usize {
     1 + has_width(model, cohesive) as usize + if model == DIRECTIONAL { 2 } else { 0 }
@@ -54,7 +54,7 @@ pub(super) const fn has_width(model: u8, cohesive: bool) -> bool {
     model == FULL || cohesive
 }
 
-/// Quads of memory of four pairs: sliding spring (3), then rolling (3) and twisting spring (1), or the age (1).
+/// How many numbers a pair remembers: sliding spring (3), then rolling (3) and twisting spring (1), or the age (1).
 pub(super) const fn memory(model: u8) -> usize {
     match model {
         FRICTIONLESS => 0,
@@ -64,7 +64,7 @@ pub(super) const fn memory(model: u8) -> usize {
     }
 }
 
-/// Quads of constants and memory of four pairs.
+/// Constants and memory of a pair: each takes two quads for eight pairs.
 pub(super) const fn fields(model: u8, cohesive: bool) -> usize {
     constants(model, cohesive) + memory(model)
 }
