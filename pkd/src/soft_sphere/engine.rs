@@ -18,7 +18,7 @@ use super::parameters::{Gravity, SoftSphereParameters};
 use super::record::{self, FRICTIONLESS, PLACE, PREDICTED, PREDICTED_SPIN, SPIN, VELOCITY};
 use super::report::Energy;
 use super::search::{near_pairs, order_in_space};
-use crate::gravity::{Accelerations, DirectGravity};
+use crate::gravity::Accelerations;
 use crate::rigid_fit::{FitRank, rigid_fit};
 use crate::{PkdError, Spheres};
 
@@ -38,7 +38,7 @@ pub(super) struct Work {
 
 /// The run.
 pub(super) struct Engine<'a> {
-    gravity: &'a mut DirectGravity,
+    gravity: &'a mut crate::gravity::Gravity,
     parameters: &'a SoftSphereParameters,
     kernels: Kernels,
     law: Coefficients,
@@ -68,7 +68,7 @@ impl<'a> Engine<'a> {
     /// [`PkdError::Coincident`], [`PkdError::TooSoft`] and [`PkdError::BecameNonFinite`].
     pub fn new(
         processor: Processor,
-        gravity: &'a mut DirectGravity,
+        gravity: &'a mut crate::gravity::Gravity,
         parameters: &'a SoftSphereParameters,
         law: Coefficients,
         spheres: &Spheres,
@@ -303,6 +303,9 @@ impl<'a> Engine<'a> {
             self.freeze(&mass);
             return Ok(());
         }
+        if self.gravity.last_error_estimate() > 0.0 {
+            self.balance(&mass);
+        }
         let a = &self.accelerations;
         for (four, guide) in self.guides.chunks_exact_mut(guide_quads(self.field)).enumerate() {
             for (k, component) in [&a.x, &a.y, &a.z].into_iter().enumerate() {
@@ -311,6 +314,16 @@ impl<'a> Engine<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Takes the net force out of the field just evaluated: that of a tree does not balance by itself.
+    fn balance(&mut self, mass: &[f64]) {
+        let total: f64 = mass.iter().sum();
+        let Accelerations { x, y, z, .. } = &mut self.accelerations;
+        for component in [x, y, z] {
+            let mean = component.iter().zip(mass).map(|(a, m)| a * m).sum::<f64>() / total;
+            component.iter_mut().for_each(|a| *a -= mean);
+        }
     }
 
     /// Turns the field just evaluated into the body frame, takes its net force and torque out, and compares it with the one

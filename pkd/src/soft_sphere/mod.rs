@@ -29,7 +29,7 @@ pub use stiffness::{FEWEST_STEPS_PER_CONTACT, Stiffness, TARGET_OVERLAP};
 
 use nalgebra::Vector3;
 
-use crate::gravity::{DirectGravity, potential_energy};
+use crate::gravity::potential_energy;
 use crate::mass_properties::{MassProperties, mass_properties};
 use crate::{PkdError, Spheres};
 use coefficients::Coefficients;
@@ -53,13 +53,14 @@ use engine::Engine;
 pub struct SoftSphere {
     parameters: SoftSphereParameters,
     history: ContactHistory,
-    gravity: DirectGravity,
+    gravity: crate::gravity::Gravity,
 }
 
 impl SoftSphere {
     /// An integrator whose contacts remember nothing; the parameters are checked when it is used.
     pub fn new(parameters: SoftSphereParameters) -> Self {
-        Self { parameters, ..Self::default() }
+        let gravity = crate::gravity::Gravity::new(parameters.gravity_options);
+        Self { parameters, history: ContactHistory::default(), gravity }
     }
 
     /// The parameters.

@@ -5,6 +5,7 @@
 //! glass beads. Nothing derived is stored here; [`Stiffness`](super::Stiffness) is what follows from a body.
 
 use crate::PkdError;
+use crate::gravity::GravityOptions;
 
 /// Which rule limits the tangential force to mu_S times the normal force.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -136,11 +137,13 @@ pub struct SoftSphereParameters {
     pub max_overlap: f64,
     /// Gravity \[in the body frame, tolerance 0.01\].
     pub gravity: Gravity,
+    /// How an evaluation of gravity is done \[automatic, force error 1e-3\].
+    pub gravity_options: GravityOptions,
     /// How far a sphere may move against the rigid motion before the lists of neighbours are made anew, as a fraction
     /// of its radius, > 0 and <= 1 \[0.02\]. Changes the cost, not the forces.
     pub skin: f64,
-    /// Whether to keep the books of energy \[no\]: some percent of the time, and a potential energy by direct
-    /// summation at the start and end of each call.
+    /// Whether to keep the books of energy \[no\]: some percent of the time, and a potential energy
+    /// at the start and end of each call.
     pub ledger: bool,
 }
 
@@ -164,6 +167,7 @@ impl SoftSphereParameters {
             step_s: None,
             max_overlap: 0.01,
             gravity: Gravity::BodyFrame { tolerance: 0.01 },
+            gravity_options: GravityOptions::default(),
             skin: 0.02,
             ledger: false,
         }
@@ -229,7 +233,7 @@ impl SoftSphereParameters {
                 return Err(PkdError::BadParameter { name, value, allowed });
             }
         }
-        Ok(())
+        self.gravity_options.validate()
     }
 }
 

@@ -27,7 +27,7 @@ fn on_a_plane(sliding: Sliding, held: bool, load: f64, pull: f64, duration: f64)
     // Where the spring carries the load.
     spheres.push([0.0, 0.0, 1.0 - 1000.0 * load / STIFFNESS], [0.0; 3], [0.0; 3], 1000.0, 1.0);
     let step = std::f64::consts::PI * (1000.0 / STIFFNESS).sqrt() / 100.0;
-    let (mut gravity, history) = (DirectGravity::default(), ContactHistory::default());
+    let (mut gravity, history) = (crate::gravity::Gravity::default(), ContactHistory::default());
     let law = law(&parameters, step);
     let mut engine = Engine::new(Processor::present(), &mut gravity, &parameters, law, &spheres, &history).unwrap();
     let quads = record::quads(engine.model);
@@ -119,7 +119,7 @@ fn revolve(axis: Vector3<f64>, spin: impl Fn(f64) -> f64) {
         age_s: 0.0,
     };
     let history = ContactHistory::new(vec![start]).unwrap();
-    let mut gravity = DirectGravity::default();
+    let mut gravity = crate::gravity::Gravity::default();
     let angle = std::f64::consts::TAU / f64::from(STEPS);
     let mut engine =
         Engine::new(Processor::present(), &mut gravity, &parameters, law(&parameters, 1.0), &spheres, &history)
@@ -183,7 +183,7 @@ fn frozen_field_is_exact_in_rigid_rotation_and_off_by_a_tenth_of_displacements()
     let parameters = SoftSphereParameters::default();
     let turn = Rotation3::from_euler_angles(0.4, 1.0, -2.0);
     for delta in [0.0, 1e-3, 1e-2, 5e-2] {
-        let (mut gravity, history) = (DirectGravity::default(), ContactHistory::default());
+        let (mut gravity, history) = (crate::gravity::Gravity::default(), ContactHistory::default());
         let law = law(&parameters, 1.0);
         let mut engine = Engine::new(Processor::present(), &mut gravity, &parameters, law, &spheres, &history).unwrap();
         let quads = record::quads(engine.model);
