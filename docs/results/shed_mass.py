@@ -1,0 +1,83 @@
+"""Fates of what spun-up bodies shed: builds bodies, spins them beyond what they bear, counts what REBOUND finds.
+
+    python3 docs/results/shed_mass.py target/release/yorp out/shed_mass
+
+Each body is built at rest with its neighbours (a long period), then settled at ever shorter periods; what leaves while it
+settles is followed for a year. Needs nothing but Python.
+"""
+
+import collections
+import csv
+import json
+import pathlib
+import sqlite3
+import subprocess
+import sys
+import time
+
+BODIES = {  # name: spheres, b/a, c/a
+    "prolate": (500, 0.5, 0.5),
+    "row 7": (500, 0.7, 0.7),
+    "round": (500, 1.0, 0.95),
+}
+PERIODS_H = [4.6, 4.2, 3.8, 3.5]
+
+
+def run(*command):
+    subprocess.run([str(c) for c in command], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+def scene(folder, name, body, period_h, seed=1):
+    path = folder / f"{name}.json"
+    text = {
+        "format": 1,
+        "name": name,
+        "seed": seed,
+        "body": body,
+        "spin": {"period_h": period_h, "obliquity_deg": 5},
+        "settling": {"rotations": 5, "max_rotations": 30},
+        "tiling": {"facets": 196},
+        "shed": {"track": {"rebound": {}}},
+    }
+    path.write_text(json.dumps(text))
+    return path
+
+
+def main():
+    yorp, out = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2])
+    out.mkdir(parents=True, exist_ok=True)
+    print("| body | period, h | shed | fell back | escaped | in orbit | merged | speed at fall, m/s | s |")
+    print("| --- | --- | --- | --- | --- | --- | --- | --- | --- |")
+    for name, (spheres, b, c) in BODIES.items():
+        packed = {"packed_ellipsoid": {"spheres": spheres, "radius_m": 63.0, "grain_density_kg_m3": 2960, "b_over_a": b, "c_over_a": c}}
+        aggregate = out / f"{name}.csv"
+        run(yorp, "build", scene(out, f"{name} build", packed, 8.0), "--out", aggregate)
+        rows = list(csv.DictReader(aggregate.open()))
+        still = out / f"{name} still.csv"
+        keep = ["x_m", "y_m", "z_m", "mass_kg", "radius_m"]
+        with still.open("w") as file:
+            file.write(",".join(keep) + "\n")
+            file.writelines(",".join(row[k] for k in keep) + "\n" for row in rows)
+        for period_h in PERIODS_H:
+            directory = out / f"{name} {period_h}"
+            path = scene(out, f"{name} {period_h}", {"file": {"path": still.name}}, period_h)
+            began = time.time()
+            try:
+                run(yorp, "run", path, "--out", directory, "--until-myr", 0, "--resume")
+                end = ""
+            except subprocess.CalledProcessError:
+                end = " (fell apart)"
+            database = sqlite3.connect(directory / "run.sqlite")
+            fates = database.execute("SELECT fate, speed_m_s FROM fate").fetchall()
+            lost = database.execute("SELECT count(*) FROM loss").fetchone()[0]
+            count = collections.Counter(fate for fate, _ in fates)
+            speeds = [speed for fate, speed in fates if fate == "reimpact"]
+            fall = f"{sum(speeds) / len(speeds):.3f}" if speeds else "-"
+            print(
+                f"| {name} | {period_h}{end} | {lost} | {count['reimpact']} | {count['escape']} | {count['bound']} "
+                f"| {count['merged']} | {fall} | {time.time() - began:.0f} |",
+                flush=True,
+            )
+
+
+main()
