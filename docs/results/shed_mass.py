@@ -16,11 +16,11 @@ import sys
 import time
 
 BODIES = {  # name: spheres, b/a, c/a
-    "prolate": (500, 0.5, 0.5),
-    "row 7": (500, 0.7, 0.7),
-    "round": (500, 1.0, 0.95),
+    "prolate": (300, 0.5, 0.5),
+    "row 7": (300, 0.7, 0.7),
+    "round": (300, 1.0, 0.95),
 }
-PERIODS_H = [4.6, 4.2, 3.8, 3.5]
+PERIODS_H = [3.2, 2.8, 2.5]
 
 
 def run(*command):
@@ -35,7 +35,7 @@ def scene(folder, name, body, period_h, seed=1):
         "seed": seed,
         "body": body,
         "spin": {"period_h": period_h, "obliquity_deg": 5},
-        "settling": {"rotations": 5, "max_rotations": 30},
+        "settling": {"rotations": 5, "max_rotations": 10},
         "tiling": {"facets": 196},
         "shed": {"track": {"rebound": {}}},
     }
@@ -49,7 +49,7 @@ def main():
     print("| body | period, h | shed | fell back | escaped | in orbit | merged | speed at fall, m/s | s |")
     print("| --- | --- | --- | --- | --- | --- | --- | --- | --- |")
     for name, (spheres, b, c) in BODIES.items():
-        packed = {"packed_ellipsoid": {"spheres": spheres, "radius_m": 63.0, "grain_density_kg_m3": 2960, "b_over_a": b, "c_over_a": c}}
+        packed = {"packed_ellipsoid": {"spheres": spheres, "radius_m": 75.0, "grain_density_kg_m3": 2960, "b_over_a": b, "c_over_a": c}}
         aggregate = out / f"{name}.csv"
         run(yorp, "build", scene(out, f"{name} build", packed, 8.0), "--out", aggregate)
         rows = list(csv.DictReader(aggregate.open()))

@@ -127,3 +127,7 @@ pub(super) fn multipole_error(text: &str) -> Result<f64, String> {
 pub(super) fn radiation_pressure_coefficient(text: &str) -> Result<f64, String> {
     number(text, |x| (0.0..=3.0).contains(&x), "at least 0, at most 3")
 }
+
+pub(super) fn turn_deg(text: &str) -> Result<f64, String> {
+    number(text, |x| (-360.0..=360.0).contains(&x), "at least -360, at most 360")
+}

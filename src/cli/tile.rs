@@ -30,6 +30,9 @@ pub(super) struct Arguments {
     /// Its level G0
     #[arg(long, value_name = "G0", default_value_t = 1.25, value_parser = arguments::level)]
     level: f64,
+    /// Turn the pattern of vertices about the short axis by this, deg: another sample of the same surface
+    #[arg(long, value_name = "DEG", default_value_t = 0.0, value_parser = arguments::turn_deg)]
+    turn_deg: f64,
 }
 
 /// A tiling in the aggregate's frame and how good it is.
@@ -74,7 +77,8 @@ fn fit(arguments: &Arguments, spheres: &Spheres, mass_kg: f64) -> Result<Fit, Cl
         let hull_m3 = tiling::sphere_hull_volume(&x, &y, &z, &spheres.radius)?;
         let axes = properties.deeve_axes();
         let scale = (hull_m3 / (4.0 / 3.0 * std::f64::consts::PI * axes.product())).cbrt();
-        let ellipsoid = EllipsoidTiling::new((axes * scale).into(), arguments.facets as usize / 2 + 2)?;
+        let vertices = arguments.facets as usize / 2 + 2;
+        let ellipsoid = EllipsoidTiling::turned((axes * scale).into(), vertices, arguments.turn_deg.to_radians())?;
         let surface = ImplicitSurface::new(&x, &y, &z, &spheres.radius, arguments.exponent, arguments.level)?;
         let tiling = ellipsoid.projected(&surface);
         let report = FitReport::new(&ellipsoid, &tiling.mesh);

@@ -74,11 +74,23 @@ impl EllipsoidTiling {
     /// # Errors
     /// [`TilingError::VertexCount`], and [`TilingError::BadEllipsoid`] for an axis that is not finite and positive.
     pub fn new(semi_axes: [f64; 3], vertices: usize) -> Result<Self, TilingError> {
+        Self::turned(semi_axes, vertices, 0.0)
+    }
+
+    /// The same with the pattern of vertices turned about z by an angle (rad): another sample of the same surface.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn turned(semi_axes: [f64; 3], vertices: usize, turn: f64) -> Result<Self, TilingError> {
         if semi_axes.iter().any(|axis| !(axis.is_finite() && *axis > 0.0)) {
             return Err(TilingError::BadEllipsoid { semi_axes });
         }
         let axes = Vector3::from(semi_axes);
         let mut mesh = unit_sphere(vertices)?;
+        if turn != 0.0 {
+            let (sin, cos) = turn.sin_cos();
+            mesh.vertices.iter_mut().for_each(|[x, y, _]| (*x, *y) = (cos * *x - sin * *y, sin * *x + cos * *y));
+        }
         let normals = mesh.vertices.iter().map(|u| Vector3::from(*u).component_div(&axes).normalize().into()).collect();
         for vertex in &mut mesh.vertices {
             *vertex = Vector3::from(*vertex).component_mul(&axes).into();
@@ -198,6 +210,18 @@ mod tests {
     fn sphere_surface(spheres: &[[f64; 4]]) -> ImplicitSurface {
         let column = |k: usize| spheres.iter().map(|s| s[k]).collect::<Vec<_>>();
         ImplicitSurface::new(&column(0), &column(1), &column(2), &column(3), 2, 1.25).unwrap()
+    }
+
+    #[test]
+    fn a_turned_pattern_lies_on_the_same_ellipsoid() {
+        let axes = [3.0, 2.0, 1.0];
+        let (plain, turned) =
+            (EllipsoidTiling::new(axes, 100).unwrap(), EllipsoidTiling::turned(axes, 100, 0.3).unwrap());
+        assert_eq!(plain.mesh.facets, turned.mesh.facets);
+        for (a, b) in plain.mesh.vertices.iter().zip(&turned.mesh.vertices) {
+            let level: f64 = (0..3).map(|k| (b[k] / axes[k]).powi(2)).sum();
+            assert!((level - 1.0).abs() < 1e-14 && a[2] == b[2]);
+        }
     }
 
     #[test]
