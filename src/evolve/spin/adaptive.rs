@@ -94,6 +94,7 @@ impl Adaptive {
 
 impl<T: TorqueFunction> Stepper<T> for Adaptive {
     type Step = DormandPrince;
+    const WHOLE_STEPS: bool = false;
 
     fn step(
         &mut self,

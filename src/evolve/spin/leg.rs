@@ -7,7 +7,7 @@ use std::f64::consts::{PI, TAU};
 
 use super::adaptive::Adaptive;
 use super::events::locate;
-use super::problem::{Dense, Point, Problem, Stepper, fold};
+use super::problem::{Dense, Point, Problem, Stepper, fold, without_sliver};
 use super::rk4::Rk4;
 use super::{
     CYCLE_END_OMEGA, Integrator, Leg, LegError, LegLimits, SpinError, SpinState, StopReason, TorqueFunction,
@@ -144,20 +144,25 @@ impl<T: TorqueFunction> Route<'_, T> {
         let mut sign = self.sign(&first);
         loop {
             let left = duration - tau;
-            let step = stepper.step(problem, tau, &p, left)?;
+            let step = stepper.step(problem, tau, &p, if S::WHOLE_STEPS { f64::INFINITY } else { left })?;
             steps += 1;
-            let event = self.event(&p, &step.end, &step.dense, sign, steps == 1);
-            let until = event.map_or(1.0, |(theta, _)| theta);
+            let last = without_sliver(step.h, left) == left;
+            let in_time = |(theta, _): &(f64, StopReason)| !last || theta * step.h <= left;
+            let event = self.event(&p, &step.end, &step.dense, sign, steps == 1).filter(in_time);
+            let until = event.map_or((left / step.h).min(1.0), |(theta, _)| theta);
             watch(&Course { start_s: start.t_s + tau, h: step.h, until, dense: &step.dense });
             if let Some((theta, reason)) = event {
                 let h = theta * step.h;
                 let stop = if theta < 1.0 { stepper.exactly(problem, tau, &p, h)? } else { step.end };
                 return finish(&stop, tau + h, reason, steps);
             }
+            if last && step.h != left {
+                return finish(&stepper.exactly(problem, tau, &p, left)?, duration, StopReason::EndTime, steps);
+            }
             if let Some(reason) = self.ended(&step.end) {
                 return finish(&step.end, tau + step.h, reason, steps);
             }
-            if step.h == left {
+            if last {
                 return finish(&step.end, duration, StopReason::EndTime, steps);
             }
             p = step.end;

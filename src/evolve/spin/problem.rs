@@ -50,6 +50,9 @@ pub(super) trait Dense {
 pub(super) trait Stepper<T: TorqueFunction>: Sized {
     /// The course within a step.
     type Step: Dense;
+    /// Whether steps are taken whole where the time is up within them. Events found on a step that was cut differ in the
+    /// last digits, and a run that stops at a time and goes on later must be the one that never stopped.
+    const WHOLE_STEPS: bool;
 
     /// One step from `from`, `tau` seconds into the leg, not longer than `left` seconds.
     fn step(&mut self, problem: &Problem<T>, tau: f64, from: &Point, left: f64)

@@ -38,6 +38,7 @@ impl Rk4 {
 
 impl<T: TorqueFunction> Stepper<T> for Rk4 {
     type Step = Hermite;
+    const WHOLE_STEPS: bool = true;
 
     fn step(&mut self, problem: &Problem<T>, tau: f64, from: &Point, left: f64) -> Result<Taken<Hermite>, SpinError> {
         let h = self.length(problem, from, left);

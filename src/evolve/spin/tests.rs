@@ -251,6 +251,21 @@ fn legs_cut_anywhere_meet_at_the_same_state() {
     assert_eq!(rest, integrate_leg(&torque, INERTIA, half.end, &to_the_end(MYR_S, 1000.0)).unwrap());
 }
 
+/// A run that stops at a time and goes on later must be the one that never stopped.
+#[test]
+fn where_a_leg_ends_does_not_depend_on_when_the_time_is_up() {
+    let torque = |e: f64, _: f64| (60.0 * A * INERTIA * (e - 0.101).sin(), 40.0 * A * INERTIA * e.sin());
+    let limits = |end_time_s| LegLimits { spin_change: 0.005, ..to_the_end(end_time_s, 1000.0) };
+    let from = SpinState { obliquity: 0.1, ..start(0.0) };
+    let free = integrate_leg(&torque, INERTIA, from, &limits(MYR_S)).unwrap();
+    assert_ne!(free.reason, StopReason::EndTime);
+    for beyond in [1.0 + 1e-12, 1.0001, 1.01, 1.5, 3.0] {
+        assert_eq!(integrate_leg(&torque, INERTIA, from, &limits(beyond * free.end.t_s)).unwrap().end, free.end);
+    }
+    let before = integrate_leg(&torque, INERTIA, from, &limits(0.9 * free.end.t_s)).unwrap();
+    assert_eq!((before.reason, before.end.t_s), (StopReason::EndTime, 0.9 * free.end.t_s));
+}
+
 #[test]
 fn slow_bodies_stop_only_while_they_slow_down() {
     let slow = SpinState { t_s: 0.0, omega: std::f64::consts::TAU / (30.0 * 3600.0), obliquity: 0.0 };
