@@ -12,7 +12,7 @@ use crate::pose::Pose;
 use crate::sampling::Sampling;
 use crate::scanner::{ScanScratch, Scanner};
 use crate::surface::Surface;
-use crate::torque::{Task, TorqueTable};
+use crate::torque::{Seasons, Task, TorqueTable};
 use rayon::prelude::*;
 use tiling::Mesh;
 
@@ -22,6 +22,7 @@ pub struct ShapeCache {
     mesh: Mesh,
     surface: Surface,
     sampling: Sampling,
+    seasons: Seasons,
     orbit: Orbit,
     facets: Vec<Facet>,
     /// `None` if the surface asks for nothing that depends on what a facet sees.
@@ -46,6 +47,7 @@ impl ShapeCache {
             mesh,
             surface: surface.clone(),
             sampling: sampling.clone(),
+            seasons: Seasons::new(sampling)?,
             orbit: *orbit,
             facets,
             shading,
@@ -104,6 +106,7 @@ impl ShapeCache {
             shading: self.shading.as_ref(),
             orbit: &self.orbit,
             sampling: &self.sampling,
+            seasons: &self.seasons,
         };
         task.run(Some(&mut self.memory))
     }

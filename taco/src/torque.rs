@@ -95,7 +95,8 @@ pub fn torque_table(
     let facets = facets(mesh)?;
     let shading = Shading::new(mesh, &facets, surface, sampling);
     let (facets, pose, shading) = (&facets, &Pose::default(), shading.as_ref());
-    Task { mesh, surface, orbit, facets, pose, shading, sampling }.run(None)
+    let seasons = &Seasons::new(sampling)?;
+    Task { mesh, surface, orbit, facets, pose, shading, sampling, seasons }.run(None)
 }
 
 /// The arguments of [`torque_table`] once validated, waiting for the reflectance to choose the kernel.
@@ -108,6 +109,42 @@ pub(crate) struct Task<'a> {
     pub pose: &'a Pose,
     pub shading: Option<&'a Shading>,
     pub sampling: &'a Sampling,
+    pub seasons: &'a Seasons,
+}
+
+/// The averages over the orbit that a table takes; the same for every shape.
+#[derive(Debug)]
+pub(crate) struct Seasons {
+    obliquities_deg: Vec<f64>,
+    /// From every declination, from every other one, and from those of the error passes.
+    fine: Season,
+    half: Season,
+    coarse: Season,
+    /// Half-way between the obliquities.
+    between: Season,
+    /// Every which declination the error passes take.
+    stride: usize,
+}
+
+impl Seasons {
+    pub fn new(sampling: &Sampling) -> Result<Self, TacoError> {
+        let (nodes, obliquities_deg) = (sampling.declination_nodes, sampling.obliquities_deg()?);
+        // Errors that need passes of their own are estimated at every fourth declination where that is possible.
+        let stride = if nodes % 4 == 1 { 4 } else { 2 };
+        Ok(Self {
+            fine: Season::new(nodes, &obliquities_deg),
+            half: Season::new(nodes.div_ceil(2), &obliquities_deg),
+            coarse: Season::new((nodes - 1) / stride + 1, &obliquities_deg),
+            between: Season::new(nodes, &between(&obliquities_deg)),
+            obliquities_deg,
+            stride,
+        })
+    }
+}
+
+/// The middles of the intervals.
+fn between(obliquities_deg: &[f64]) -> Vec<f64> {
+    obliquities_deg.windows(2).map(|w| 0.5 * (w[0] + w[1])).collect()
 }
 
 impl Task<'_> {
@@ -132,14 +169,9 @@ impl Task<'_> {
         let Self { mesh, surface, orbit, facets, pose, shading, .. } = *self;
         let pressure_pa = orbit.mean_pressure_pa();
         let nodes = self.sampling.declination_nodes;
-        // Errors that need passes of their own are estimated at every fourth declination where that is possible.
-        let stride = if nodes % 4 == 1 { 4 } else { 2 };
-        let coarse_nodes = (nodes - 1) / stride + 1;
-        let obliquities_deg = self.sampling.obliquities_deg()?;
-        let (fine, coarse) = (Declinations::new(nodes), Declinations::new(coarse_nodes));
-        let season = Season::new(nodes, &obliquities_deg);
-        let half_season = Season::new(nodes.div_ceil(2), &obliquities_deg);
-        let coarse_season = Season::new(coarse_nodes, &obliquities_deg);
+        let Seasons { obliquities_deg, fine: season, half: half_season, coarse: coarse_season, stride, .. } =
+            self.seasons;
+        let (fine, coarse) = (Declinations::new(nodes), Declinations::new((nodes - 1) / stride + 1));
 
         let body = Body { mesh, facets, pose, surface, kernel, shading };
         let response = body.response(&fine, memory.as_deref_mut());
@@ -151,17 +183,17 @@ impl Task<'_> {
         };
         let curve_of =
             |season: &Season, response: &[f64], stride: usize| season.curve(response, stride).scaled(pressure_pa);
-        let curves: Vec<Curve> = responses.iter().map(|r| curve_of(&season, r, 1)).collect();
+        let curves: Vec<Curve> = responses.iter().map(|r| curve_of(season, r, 1)).collect();
         for curve in &curves {
-            self.check_finite(curve, &obliquities_deg)?;
+            self.check_finite(curve, obliquities_deg)?;
         }
 
         let shaded_facets = shading.map_or(0, |s| s.map.shaded_facets());
-        let coarser = responses.iter().map(|r| curve_of(&half_season, r, 2));
+        let coarser = responses.iter().map(|r| curve_of(half_season, r, 2));
         let off = curves.iter().zip(coarser).map(|(curve, coarser)| curve.distance(&coarser));
         let mut parts = vec![part("declination_nodes", largest(off))];
         let zero = Curve { spin: vec![0.0; obliquities_deg.len()], obliquity: vec![0.0; obliquities_deg.len()] };
-        if let Some(errors) = body.sampling_errors(&coarse, &coarse_season, memory) {
+        if let Some(errors) = body.sampling_errors(&coarse, coarse_season, memory) {
             for (name, error) in [("azimuth_bins", errors.azimuth_bins), ("facet_sampling", errors.facet_samples)] {
                 parts.push(part(name, error.scaled(pressure_pa).distance(&zero)));
             }
@@ -169,8 +201,8 @@ impl Task<'_> {
         let mut transverse_force_n = Vec::new();
         if let (Some(heat), Some(heated)) = (&heat, &heated) {
             let halved = heat.coarser_cells(&body, &coarse);
-            parts.push(part("rotation_cells", curve_of(&coarse_season, &halved, 1).distance(&zero)));
-            let season = TransverseSeason::new(nodes, &obliquities_deg);
+            parts.push(part("rotation_cells", curve_of(coarse_season, &halved, 1).distance(&zero)));
+            let season = TransverseSeason::new(nodes, obliquities_deg);
             let force = |response: &Vec<f64>| season.curve(response).iter().map(|f| f * pressure_pa).collect();
             transverse_force_n = heated.transverse.iter().map(force).collect();
         }
@@ -188,11 +220,10 @@ impl Task<'_> {
             parts.push(part("spin_rate_interpolation", off));
         }
         if let Ok(interpolant) = table.interpolant(Interpolation::Cubic) {
-            let between: Vec<f64> = obliquities_deg.windows(2).map(|w| 0.5 * (w[0] + w[1])).collect();
-            let season = Season::new(nodes, &between);
+            let between = between(obliquities_deg);
             let off = responses.iter().zip(&table.omega).map(|(response, omega)| {
                 let (spin, obliquity) = between.iter().map(|o| interpolant.at(o.to_radians(), *omega)).unzip();
-                curve_of(&season, response, 1).distance(&Curve { spin, obliquity })
+                curve_of(&self.seasons.between, response, 1).distance(&Curve { spin, obliquity })
             });
             parts.push(part("obliquity_interpolation", largest(off)));
         }
