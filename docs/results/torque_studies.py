@@ -99,15 +99,19 @@ def surface(study):
 
 
 def end_states(study):
-    print("\nWhere the rigid body ends (obliquity, deg; Myr of the YORP cycle), from 5 deg and 6 h:\n")
-    print("| body | Gamma = 0 | Gamma = 200 | Gamma = 200, self-heating |\n| --- | --- | --- | --- |")
-    for row in BODIES:
-        cells = []
-        for options in ([], GAMMA, GAMMA + SELF):
-            cycle = study.json("rigid", study.mesh(row), "--axes", "principal", "--duration-myr", 100, *options)
-            end, time = cycle["end_obliquity_deg"], cycle["cycle_time_myr"]
-            cells.append(f"{end:.1f}, {cycle['end'].replace('_', ' ')}" + ("" if time is None else f" after {time:.2f} Myr"))
-        print(f"| {row} |", " | ".join(cells), "|", flush=True)
+    surfaces = {"Gamma = 0": [], "Gamma = 200": GAMMA, "Gamma = 200, self-heating": GAMMA + SELF}
+    for start in (5, 60):
+        print(f"\nWhere the rigid body ends (obliquity, deg; Myr of the YORP cycle), from {start} deg and 6 h:\n")
+        print("| body |", " | ".join(surfaces), "|\n| --- |" + " --- |" * len(surfaces))
+        for row in BODIES:
+            cells = []
+            for options in surfaces.values():
+                where = ["--axes", "principal", "--obliquity-deg", start, "--duration-myr", 100]
+                cycle = study.json("rigid", study.mesh(row), *where, *options)
+                end, time = cycle["end_obliquity_deg"], cycle["cycle_time_myr"]
+                after = "" if time is None else f" after {time:.2f} Myr"
+                cells.append(f"{end:.1f}, {cycle['end'].replace('_', ' ')}{after}")
+            print(f"| {row} |", " | ".join(cells), "|", flush=True)
 
 
 def main():
