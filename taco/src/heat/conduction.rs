@@ -218,30 +218,4 @@ mod tests {
         assert_eq!(t, [0.0, 0.0, 2.0, 3.0, 1.0, 0.0, 0.0, 0.0]);
     }
 
-    #[test]
-    #[ignore = "prints times"]
-    fn speed() {
-        for n in [48, 64, 96, 128] {
-            for theta in [0.03, 0.1, 0.3, 1.0, 3.0] {
-                let mut conduction = Conduction::new(n);
-                let mut t = vec![0.0; n];
-                let day = |k: usize, shift: f64| {
-                    let h = TAU * (k as f64 + 0.5) / n as f64 - std::f64::consts::PI;
-                    if h.abs() < 0.7 + shift { 0.3 + shift + 0.6 * h.cos() } else { 0.0 }
-                };
-                let start = std::time::Instant::now();
-                let (mut steps, solves) = (0, 4000);
-                for i in 0..solves {
-                    let shift = 0.3 * (TAU * i as f64 / 146.0).sin();
-                    let f: Vec<f64> = (0..n).map(|k| day(k, shift)).collect();
-                    steps += conduction.solve(theta, &f, 1e-5, &mut t);
-                }
-                let us = start.elapsed().as_secs_f64() * 1e6 / f64::from(solves);
-                println!(
-                    "{n} cells, theta {theta}: {us:.1} us, {:.2} steps",
-                    f64::from(steps as u32) / f64::from(solves)
-                );
-            }
-        }
-    }
 }
