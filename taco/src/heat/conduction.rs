@@ -217,5 +217,4 @@ mod tests {
         conduction.solve(0.0, &f, 1e-6, &mut t);
         assert_eq!(t, [0.0, 0.0, 2.0, 3.0, 1.0, 0.0, 0.0, 0.0]);
     }
-
 }
