@@ -155,6 +155,25 @@ fn stopping_at_a_time_and_going_on_is_the_same_run() {
     assert_same(&whole, &parts);
 }
 
+/// With stored heat the torques are a table over spin rates, and shed spheres are followed: both must come back as they were.
+#[test]
+fn a_run_with_heat_and_orbits_goes_on_as_it_was() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = SCENE.replace(
+        r#""torque": {"obliquity_step_deg": 15},"#,
+        r#""torque": {"obliquity_step_deg": 15, "declination_nodes": 9, "azimuth_bins": 24, "rotation_cells": 16, "spin_rates": 5},
+           "surface": {"thermal_inertia": 200, "self_heating": "single"}, "shed": {"track": {"rebound": {}}},"#,
+    );
+    let scene = scene_in(folder.path(), &text);
+    let [straight, stopped] = ["straight", "stopped"].map(|name| folder.path().join(name));
+    summary(&run(&scene, &straight, &["--json", "--threads", "2", "--until-myr", "0.04"]));
+    summary(&run(&scene, &stopped, &["--json", "--threads", "1", "--until-myr", "0.013"]));
+    summary(&run(&scene, &stopped, &["--json", "--resume", "--until-myr", "0.04"]));
+    assert_same(&straight, &stopped);
+    let nodes = open(&straight).query_row("SELECT length(spin_rate) / 8 FROM configuration", [], |row| row.get(0));
+    assert_eq!(nodes, Ok(5));
+}
+
 fn refused(output: &Output, code: i32, message: &str) {
     let stderr = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(code), "{stderr}");

@@ -85,7 +85,6 @@ impl Conduction {
     }
 
     /// Flux into the ground at the last solution, in the units of `f`: the facet emits `f` less this. Its mean is zero.
-    #[allow(dead_code)]
     pub fn conducted(&self) -> &[f64] {
         &self.flux
     }
