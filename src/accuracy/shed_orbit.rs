@@ -30,7 +30,7 @@ impl Knob for Ias15Tolerance {
             unit: "1",
             scene_key: "shed.track.rebound.ias15_tolerance",
             default: Rebound::default().ias15_tolerance,
-            error_is: "change of the Jacobi constant of a shed sphere over GM/r, mascons everywhere; reference: none",
+            error_is: "change of the Jacobi constant of a shed sphere over GM/r, mascons everywhere; reference: no change",
         }
     }
 
@@ -51,7 +51,7 @@ impl Knob for MultipoleError {
             unit: "1",
             scene_key: "shed.track.rebound.multipole_error",
             default: Rebound::default().multipole_error,
-            error_is: "change of the Jacobi constant of a shed sphere over GM/r; reference: none. Sets the radius beyond \
+            error_is: "change of the Jacobi constant of a shed sphere over GM/r; reference: no change. Sets the radius beyond \
                        which multipoles stand for the body's spheres",
         }
     }

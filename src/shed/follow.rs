@@ -342,9 +342,10 @@ impl Run<'_> {
         self.fates[traveller.index] = Some(fate);
     }
 
-    /// Period of a circular orbit at the innermost body, s.
+    /// Period of a circular orbit at the innermost body, or at the surface where one is among the primary's spheres, s.
     fn shortest_orbit_s(&self) -> f64 {
         let nearest = self.travellers.iter().map(|t| norm(t.body.position)).fold(f64::INFINITY, f64::min);
+        let nearest = nearest.max(self.field.mascons.bounding_radius_m);
         std::f64::consts::TAU * (nearest.powi(3) / self.field.mascons.gm).sqrt()
     }
 }

@@ -151,7 +151,8 @@ pub struct Tracks {
     pub fates: Vec<Fate>,
     /// Angular momentum of each at its end, kg m^2/s; `None` for merged ones, whose survivor has it.
     pub angular_momentum: Vec<Option<[f64; 3]>>,
-    /// Change of each Jacobi constant from start to end over GM / r at the start; `None` if it took part in a merger.
+    /// Change of each Jacobi constant from start to end over GM / r, r where it started or the primary's radius if that is
+    /// larger; `None` if it took part in a merger.
     /// The primary alone keeps it, so that this is the error of the orbit; other shed bodies and the Sun change it truly.
     pub jacobi_drift: Vec<Option<f64>>,
     /// Mass and angular momentum by outcome.

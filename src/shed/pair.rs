@@ -253,7 +253,9 @@ impl Pair {
 
     /// A share of the fastest motion there is: the spins, or an orbit at contact.
     fn step_s(&self, gm: f64) -> f64 {
-        let nearest = (self.b.position - self.a.position).norm();
+        // One may lie in a hollow of the other, centre on centre.
+        let radius = self.a.mascons.bounding_radius_m.max(self.b.mascons.bounding_radius_m);
+        let nearest = (self.b.position - self.a.position).norm().max(radius);
         let orbit = (gm / nearest.powi(3)).sqrt();
         std::f64::consts::TAU / orbit.max(self.a.spin().norm()).max(self.b.spin().norm()) / STEPS_PER_PERIOD
     }

@@ -244,6 +244,23 @@ fn wrong_inputs_are_refused_and_nothing_shed_is_nothing_to_do() {
 }
 
 #[test]
+fn a_body_midway_between_two_spheres_has_a_fate_too() {
+    let mut spheres = Spheres::default();
+    for x in [-100.0, 100.0] {
+        spheres.push([x, 0.0, 0.0], [0.0; 3], [0.0; 3], 1e10, 50.0);
+    }
+    let options = TrackOptions { t_max_s: DAY_S, ..TrackOptions::default() };
+    let middle = body([0.0; 3], [0.0; 3], 1.0, 1.0);
+    let primary = Primary { spheres: spheres.clone(), spin_rate: 1e-4 };
+    let tracks = follow(&primary, &[middle], &options).unwrap();
+    assert!(tracks.jacobi_drift[0].is_some_and(|drift| drift < 1e-9), "{tracks:?}");
+    let mut small = Spheres::default();
+    small.push([0.0; 3], [0.0; 3], [0.0; 3], 1.0, 1.0);
+    let pair = follow_pair(&spheres, &small, &options).unwrap();
+    assert!(pair.t_s > 0.0 && pair.energy_drift.is_finite(), "{pair:?}");
+}
+
+#[test]
 fn sunlight_pushes_away_from_the_sun_and_its_tide_is_traceless() {
     let primary = ball(1.0, 1e-3);
     let sun = Sun { obliquity: 0.4, tide: true, radiation_pressure_coefficient: Some(1.0) };
