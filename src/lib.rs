@@ -8,6 +8,7 @@ pub mod accuracy;
 pub mod cli;
 pub mod evolve;
 pub mod exchange;
+pub mod report;
 pub mod scene;
 pub mod shed;
 pub mod store;

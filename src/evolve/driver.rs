@@ -214,7 +214,7 @@ impl Driver<'_> {
         if matches!(leg.reason, StopReason::StopPeriod | StopReason::CycleEnd) {
             next.stage = Stage::Finished;
             next.outcome = Some(Outcome::SpunDown);
-            record.result = "stopped";
+            record.result = "stopped".into();
             return self.commit_leg(record, next, None, &Shedding::default());
         }
         let watch = Stopwatch::start();
@@ -226,13 +226,18 @@ impl Driver<'_> {
         self.note_check(&mut record, &check)?;
         next.spheres = check.body.spheres;
         let Some(movement) = check.movement else {
-            return self.commit_leg(LegRecord { result: "quiet", ..record }, next, None, &Shedding::default());
+            return self.commit_leg(LegRecord { result: "quiet".into(), ..record }, next, None, &Shedding::default());
         };
         let moved_fraction = f64::from(record.moved[0]) / state.spheres.len() as f64;
         if moved_fraction > self.scene.evolution.moved_fraction_limit && state.refinement < MAX_REFINEMENT {
             // Back to the start of the leg with a fifth of the increment.
             let back = State { leg: next.leg, refinement: state.refinement + 1, ..state };
-            return self.commit_leg(LegRecord { result: "backtracked", ..record }, back, None, &Shedding::default());
+            return self.commit_leg(
+                LegRecord { result: "backtracked".into(), ..record },
+                back,
+                None,
+                &Shedding::default(),
+            );
         }
         next.sphere_ids = check.body.ids;
         next.refinement = 0;
@@ -249,7 +254,7 @@ impl Driver<'_> {
         }
         self.movements += 1;
         self.commit_leg(
-            LegRecord { result: "movement", ..record },
+            LegRecord { result: "movement".into(), ..record },
             next,
             Some((&shape.record, &moved)),
             &check.shedding,
@@ -327,12 +332,12 @@ fn leg_record(state: &State, leg: &Leg) -> LegRecord {
         t_s: [state.t_s, leg.end.t_s],
         omega: [state.omega, leg.end.omega],
         obliquity: [state.obliquity, leg.end.obliquity],
-        reason: reason_name(leg.reason),
+        reason: reason_name(leg.reason).into(),
         refinement: state.refinement,
         rk4_steps: leg.steps,
         spin_error: leg.error.omega,
         obliquity_error: leg.error.obliquity,
-        result: "",
+        result: "".into(),
         omega_after: leg.end.omega,
         dynamics: DynamicsRecord::default(),
         moved: [0; 3],

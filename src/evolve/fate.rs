@@ -82,7 +82,7 @@ fn fates(
     for (k, (departure, fate)) in departures.iter().zip(&tracks.fates).enumerate() {
         let mut record = FateRecord {
             sphere: departure.sphere,
-            fate: fate.name(),
+            fate: fate.name().into(),
             t_s: 0.0,
             speed_m_s: None,
             position: None,
@@ -161,7 +161,7 @@ fn fission(options: &TrackOptions, body: &Aggregate, departures: &[Departure]) -
     Ok(FissionRecord {
         mass_kg: [body.spheres.total_mass(), piece.total_mass()],
         spheres: ids,
-        fate: track.fate.name(),
+        fate: track.fate.name().into(),
         t_s: track.t_s,
         speed_m_s,
         orbit,
@@ -214,7 +214,7 @@ mod tests {
             let (mut body, found) = thrown(0.1);
             let scene = scene(Rebound { return_reimpacts, ..Rebound::default() });
             let shedding = shed(&scene, &mut body, &found, [5.0, 2e-4, 0.1]).unwrap();
-            assert_eq!((shedding.fates[0].fate, shedding.fates[0].returned), ("reimpact", return_reimpacts));
+            assert_eq!((shedding.fates[0].fate.as_ref(), shedding.fates[0].returned), ("reimpact", return_reimpacts));
             assert_eq!(shedding.losses.len(), usize::from(!return_reimpacts));
             assert_eq!(body.ids.len(), 64 + usize::from(return_reimpacts));
             if return_reimpacts {
@@ -231,7 +231,7 @@ mod tests {
     fn what_is_too_fast_escapes_and_nothing_is_followed_unless_asked_for() {
         let (mut body, found) = thrown(2.0);
         let shedding = shed(&scene(Rebound::default()), &mut body, &found, [0.0; 3]).unwrap();
-        assert_eq!((shedding.fates[0].fate, shedding.losses.len()), ("escape", 1));
+        assert_eq!((shedding.fates[0].fate.as_ref(), shedding.losses.len()), ("escape", 1));
         let (mut body, found) = thrown(2.0);
         let plain = Scene::from_body(Body::File(FileBody { path: "a.csv".into() }));
         let shedding = shed(&plain, &mut body, &found, [0.0; 3]).unwrap();
@@ -254,7 +254,7 @@ mod tests {
         found.remove_from(&mut body).unwrap();
         let shedding = shed(&scene(Rebound::default()), &mut body, &found, [0.0; 3]).unwrap();
         let fission = shedding.fission.unwrap();
-        assert_eq!((fission.fate, fission.spheres.len(), shedding.losses.len()), ("separated", 27, 27));
+        assert_eq!((fission.fate.as_ref(), fission.spheres.len(), shedding.losses.len()), ("separated", 27, 27));
         assert_eq!(fission.mass_kg, [28e9, 27e9]);
     }
 }

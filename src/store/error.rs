@@ -9,6 +9,9 @@ pub enum StoreError {
     /// The directory holds a run and resuming was not asked for.
     #[error("{} already holds a run; continue it with --resume or choose another directory", .0.display())]
     HoldsRun(PathBuf),
+    /// The directory holds no run.
+    #[error("{} holds no run: there is no run.sqlite with one in it", .0.display())]
+    NoRun(PathBuf),
     /// Another process works in the directory.
     #[error("{} is in use by another yorp process", .0.display())]
     Locked(PathBuf),

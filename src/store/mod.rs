@@ -6,8 +6,10 @@
 
 mod blob;
 mod error;
+mod history;
 mod ledger;
 mod read;
+mod reader;
 mod records;
 #[cfg(test)]
 mod tests;
@@ -22,6 +24,7 @@ use rusqlite::Connection;
 pub use error::StoreError;
 pub use ledger::{Ledger, Part, PartTotal, Stopwatch};
 pub use read::Totals;
+pub use reader::RunReader;
 pub use records::*;
 pub use write::LegCommit;
 
@@ -35,11 +38,19 @@ const FORMAT_VERSION: i64 = 2;
 /// An open run directory, held by this process until it is dropped.
 #[derive(Debug)]
 pub struct RunStore {
-    connection: Connection,
-    database: PathBuf,
+    reader: RunReader,
     session: i64,
     // Holds the operating system's lock on the directory.
     _lock: File,
+}
+
+/// What a run reads back of itself is what everybody else may read.
+impl std::ops::Deref for RunStore {
+    type Target = RunReader;
+
+    fn deref(&self) -> &RunReader {
+        &self.reader
+    }
 }
 
 impl RunStore {
@@ -81,9 +92,8 @@ impl RunStore {
         if existing && !resume {
             return Err(StoreError::HoldsRun(directory.to_owned()));
         }
-        let connection = open_database(&database, existing)?;
-        let mut store =
-            Self { connection, database, session: 0, _lock: lock.try_clone().map_err(write_error(&scene_path))? };
+        let reader = RunReader { connection: open_database(&database, existing)?, database };
+        let mut store = Self { reader, session: 0, _lock: lock.try_clone().map_err(write_error(&scene_path))? };
         if existing {
             store.adopt(scene, directory)?;
         } else {
@@ -146,7 +156,7 @@ impl RunStore {
         body: impl FnOnce(&rusqlite::Transaction) -> Result<(), rusqlite::Error>,
     ) -> Result<(), StoreError> {
         let result = (|| {
-            let tx = self.connection.transaction_with_behavior(rusqlite::TransactionBehavior::Immediate)?;
+            let tx = self.reader.connection.transaction_with_behavior(rusqlite::TransactionBehavior::Immediate)?;
             body(&tx)?;
             tx.commit()
         })();
@@ -154,29 +164,19 @@ impl RunStore {
     }
 }
 
-/// Opens the database file and checks that it is ours.
+/// How long a transaction waits for somebody who reads: a report of a large run is no reason to end it.
+const PATIENCE: std::time::Duration = std::time::Duration::from_secs(600);
+
+/// Opens the database file for writing and checks that it is ours.
 fn open_database(path: &Path, existing: bool) -> Result<Connection, StoreError> {
-    let read_error = |source| StoreError::ReadDatabase { path: path.to_owned(), source };
-    let connection =
-        Connection::open(path).map_err(|source| StoreError::WriteDatabase { path: path.to_owned(), source })?;
+    let write_error = |source| StoreError::WriteDatabase { path: path.to_owned(), source };
+    let connection = Connection::open(path).map_err(write_error)?;
     if existing {
-        let pragma = |name: &str| connection.pragma_query_value(None, name, |row| row.get::<_, i64>(0));
-        let id = pragma("application_id").map_err(|source| match source.sqlite_error_code() {
-            Some(rusqlite::ErrorCode::NotADatabase) => {
-                StoreError::Foreign { path: path.to_owned(), found: "no SQLite database".into() }
-            }
-            _ => read_error(source),
-        })?;
-        if id != APPLICATION_ID {
-            return Err(StoreError::Foreign { path: path.to_owned(), found: format!("application id {id:#x}") });
-        }
-        let version = pragma("user_version").map_err(read_error)?;
-        if version != FORMAT_VERSION {
-            return Err(StoreError::Version { path: path.to_owned(), found: version, expected: FORMAT_VERSION });
-        }
+        reader::check_format(&connection, path)?;
     }
+    connection.busy_timeout(PATIENCE).map_err(write_error)?;
     connection
         .execute_batch("PRAGMA journal_mode = TRUNCATE; PRAGMA synchronous = FULL; PRAGMA trusted_schema = OFF;")
-        .map_err(|source| StoreError::WriteDatabase { path: path.to_owned(), source })?;
+        .map_err(write_error)?;
     Ok(connection)
 }

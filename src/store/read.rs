@@ -1,6 +1,6 @@
 //! What a resumed run and its summary read back.
 
-use rusqlite::{OptionalExtension, Row};
+use rusqlite::Row;
 
 use super::blob::{blob_to_f64, blob_to_points, blob_to_u32};
 use super::*;
@@ -34,21 +34,12 @@ pub struct Totals {
     pub vertices_flagged: Option<u32>,
 }
 
-impl RunStore {
-    fn query<T>(&self, sql: &str, read: impl FnOnce(&Row) -> rusqlite::Result<T>) -> Result<Option<T>, StoreError> {
-        self.connection
-            .query_row(sql, [], read)
-            .optional()
-            .map_err(|source| StoreError::ReadDatabase { path: self.database.clone(), source })
-    }
-
-    /// The error of a database that lacks something or holds nonsense.
-    pub fn damaged(&self, what: impl Into<String>) -> StoreError {
-        StoreError::Damaged { path: self.database.clone(), what: what.into() }
-    }
-
-    /// The scene of the run.
-    pub(super) fn scene(&self) -> Result<Scene, StoreError> {
+impl RunReader {
+    /// The scene of the run, with every default filled in.
+    ///
+    /// # Errors
+    /// The database cannot be read or is damaged.
+    pub fn scene(&self) -> Result<Scene, StoreError> {
         let text = self
             .query("SELECT value FROM run WHERE key = 'scene'", |row| row.get::<_, String>(0))?
             .ok_or_else(|| self.damaged("it holds no scene"))?;
@@ -183,7 +174,7 @@ impl RunStore {
     }
 }
 
-fn read_configuration(row: &Row) -> rusqlite::Result<Option<ConfigurationRecord>> {
+pub(super) fn read_configuration(row: &Row) -> rusqlite::Result<Option<ConfigurationRecord>> {
     let blob = |name: &str| row.get::<_, Vec<u8>>(name);
     let numbers = |name: &str| Ok::<_, rusqlite::Error>(blob_to_f64(&blob(name)?));
     let points = |name: &str| Ok::<_, rusqlite::Error>(blob_to_points(&blob(name)?));

@@ -1,5 +1,7 @@
 //! The rows of a run database as plain data; columns are described in `schema.sql`.
 
+use std::borrow::Cow;
+
 use pkd::Spheres;
 
 /// How far a run has come.
@@ -231,7 +233,7 @@ pub struct LegRecord {
     /// Obliquity at start and end, rad.
     pub obliquity: [f64; 2],
     /// Why it ended.
-    pub reason: &'static str,
+    pub reason: Cow<'static, str>,
     /// How often the spin increment had been cut to a fifth.
     pub refinement: u32,
     /// Steps of the spin integrator.
@@ -241,7 +243,7 @@ pub struct LegRecord {
     /// Step-doubling error of the obliquity, rad.
     pub obliquity_error: f64,
     /// Whether and how the body answered.
-    pub result: &'static str,
+    pub result: Cow<'static, str>,
     /// Spin rate that the next leg starts from, rad/s.
     pub omega_after: f64,
     /// Work counters of the check.
@@ -292,7 +294,7 @@ pub struct FateRecord {
     /// Sphere.
     pub sphere: u32,
     /// Name of the fate.
-    pub fate: &'static str,
+    pub fate: Cow<'static, str>,
     /// When, s after it left.
     pub t_s: f64,
     /// Speed at contact or at infinity, m/s.
@@ -319,7 +321,7 @@ pub struct FissionRecord {
     /// Spheres of the piece that left.
     pub spheres: Vec<u32>,
     /// Name of the fate.
-    pub fate: &'static str,
+    pub fate: Cow<'static, str>,
     /// When, s after they parted.
     pub t_s: f64,
     /// Speed at contact or at infinity, m/s.
@@ -363,4 +365,38 @@ pub struct Ending {
     pub obliquity: f64,
     /// How.
     pub outcome: Outcome,
+}
+
+/// The time between two movements.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct IntervalRecord {
+    /// Number, from 1.
+    pub interval: u32,
+    /// Configuration whose torques drove it.
+    pub configuration: u32,
+    /// Legs it is made of.
+    pub legs: u32,
+    /// Start and end, s.
+    pub t_s: [f64; 2],
+    /// Spin rate at start and end, rad/s.
+    pub omega: [f64; 2],
+    /// Obliquity at start and end, rad.
+    pub obliquity: [f64; 2],
+}
+
+/// One start of the program on a run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SessionRecord {
+    /// When, seconds since 1970.
+    pub started_unix_s: i64,
+    /// Name of the machine.
+    pub host: String,
+    /// Worker threads.
+    pub threads: u32,
+    /// Version of the build.
+    pub version: String,
+    /// Wall time to its last transaction, s.
+    pub seconds: f64,
+    /// CPU time likewise, s.
+    pub cpu_seconds: f64,
 }

@@ -149,3 +149,98 @@ fn a_file_in_the_place_of_the_directory_is_refused() {
     std::fs::write(&path, "x").unwrap();
     assert!(matches!(RunStore::open(&path, &scene(), false), Err(StoreError::NotADirectory(_))));
 }
+
+#[test]
+fn a_reader_gets_every_table_as_it_was_written_and_does_not_stop_the_run() {
+    let folder = tempfile::tempdir().unwrap();
+    assert!(matches!(RunReader::open(folder.path()), Err(StoreError::NoRun(_))));
+    let (mut store, _) = RunStore::open(folder.path(), &scene(), false).unwrap();
+    let (ledger, mut now) = (Ledger::default(), state(3));
+    store.save_built(&now, &ledger).unwrap();
+    let block = SettlingRecord {
+        block: 0,
+        period_s: 2e4,
+        moved: 2,
+        max_displacement_radii: 0.5,
+        b_over_a: 0.9,
+        c_over_a: 0.8,
+        dynamics: DynamicsRecord { rotations: 5, collisions: 7, capped: 1, ..Default::default() },
+        shed: 0,
+    };
+    store.save_settling(&block, &Shedding::default(), &now, &ledger).unwrap();
+    let facets = TilingRecord { facets: vec![[0, 1, 2]], ellipsoid_axes_m: [1.0; 3], frame_rotation: [[0.0; 3]; 3] };
+    let rigid = [RigidRecord { t_s: 0.0, omega: 3e-4, obliquity: 0.1 }];
+    store.save_object_0(&facets, &configuration(), &rigid, &now, &ledger).unwrap();
+    let leg = LegRecord {
+        leg: 0,
+        configuration: 0,
+        t_s: [0.0, 1e11],
+        omega: [3e-4, 3.1e-4],
+        obliquity: [0.1, 0.2],
+        reason: "spin_change".into(),
+        refinement: 0,
+        rk4_steps: 4,
+        spin_error: 1e-9,
+        obliquity_error: 1e-10,
+        result: "movement".into(),
+        omega_after: 3.05e-4,
+        dynamics: DynamicsRecord { rotations: 2, max_overlap_radii: 0.1, momentum_drift: 0.2, ..Default::default() },
+        moved: [1, 2, 3],
+        settled: true,
+        non_axial: 0.01,
+        shed: 1,
+    };
+    let movement = MovementRecord { sphere: 1, displacement_m: 20.0, enclosed_mass_fraction: 0.5 };
+    let loss = LossRecord {
+        sphere: 2,
+        t_s: 1e11,
+        omega: 3.1e-4,
+        position: [1.0, 2.0, 3.0],
+        velocity: [4.0, 5.0, 6.0],
+        spin: [7.0, 8.0, 9.0],
+        energy_j: -1.0,
+    };
+    let fate = FateRecord {
+        sphere: 2,
+        fate: "bound".into(),
+        t_s: 5.0,
+        speed_m_s: None,
+        position: None,
+        orbit: Some([1.0, 0.5, 0.1]),
+        within_3_radii: Some(0.25),
+        into: None,
+        returned: false,
+        angular_momentum: Some([0.0, 0.0, 1.0]),
+    };
+    let fission = FissionRecord {
+        mass_kg: [2.0, 1.0],
+        spheres: vec![2],
+        fate: "separated".into(),
+        t_s: 9.0,
+        speed_m_s: Some(0.3),
+        orbit: None,
+        spin_rate: [1e-4, 2e-4],
+    };
+    let shedding = Shedding { losses: vec![loss], fates: vec![fate.clone()], fission: Some(fission.clone()) };
+    let second = ConfigurationRecord { configuration: 1, after_leg: Some(0), t_s: 1e11, ..configuration() };
+    now.leg = 1;
+    let commit = LegCommit { leg: &leg, state: &now, configuration: Some((&second, &[movement])), shedding: &shedding };
+    let reader = RunReader::open(folder.path()).unwrap();
+    let before = reader.snapshot(|reader| Ok((reader.legs()?, reader.rigid()?))).unwrap();
+    assert_eq!(before, (vec![], rigid.to_vec()));
+    store.save_leg(&commit, &ledger).unwrap();
+
+    assert_eq!(reader.spheres().unwrap(), [[1e9, 50.2]; 3]);
+    assert_eq!(reader.settling().unwrap(), [block]);
+    assert_eq!(reader.configurations().unwrap(), [configuration(), second]);
+    assert_eq!(reader.legs().unwrap(), [leg]);
+    assert_eq!(reader.movements().unwrap(), [(1, movement)]);
+    assert_eq!(reader.losses().unwrap(), [(Some(0), loss)]);
+    assert_eq!(reader.fates().unwrap(), [(Some(0), fate)]);
+    assert_eq!(reader.fission().unwrap(), Some((Some(0), fission)));
+    let interval = reader.intervals().unwrap()[0];
+    assert_eq!((interval.configuration, interval.legs, interval.omega), (0, 1, [3e-4, 3.1e-4]));
+    assert_eq!(reader.sessions().unwrap().len(), 1);
+    assert_eq!(reader.version().unwrap(), env!("CARGO_PKG_VERSION"));
+    assert!(reader.connection.execute("DELETE FROM leg", []).is_err(), "it cannot write");
+}
