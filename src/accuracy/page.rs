@@ -3,67 +3,37 @@
 use std::fmt::Write as _;
 
 use super::{Accuracy, Curve, number, seconds};
+use crate::report::page::{Align, Html, STYLE, inline_svg, table};
 
 /// The page; `figure` is the SVG document of the same curves.
 pub fn page(accuracy: &Accuracy, figure: &str) -> String {
-    let mut text = String::from(HEAD);
-    let _ = write!(
-        text,
-        "<p>Each knob is varied with everything else at its default, on bodies of {} spheres. Seconds are CPU seconds, \
-         summed over threads.</p>\n{figure}\n",
-        accuracy.effort.spheres()
+    let mut text = format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <title>yorp accuracy</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<h1>Error against run time</h1>\n\
+         <p>Each knob is varied with everything else at its default, on bodies of {} spheres. Seconds are CPU seconds, \
+         summed over threads.</p>\n<figure class=\"figure\">{}</figure>\n",
+        accuracy.effort.spheres(),
+        inline_svg(figure, "error against CPU seconds of each knob")
     );
-    accuracy.knobs.iter().for_each(|curve| table(&mut text, curve));
+    accuracy.knobs.iter().for_each(|curve| section(&mut text, curve));
     text.push_str("</body>\n</html>\n");
     text
 }
 
-fn table(text: &mut String, curve: &Curve) {
+fn section(text: &mut String, curve: &Curve) {
     let about = &curve.about;
-    let _ = write!(
-        text,
-        "<h2>{}</h2>\n<p>Set by <code>{}</code>. Error: {}.</p>\n\
-         <table>\n<tr><th>{}</th><th>error</th><th>spread</th><th>CPU s</th></tr>\n",
-        escaped(about.name),
-        escaped(about.scene_key),
-        escaped(about.error_is),
-        escaped(about.unit),
-    );
-    for point in &curve.points {
-        let mark = if point.value == about.default { " class=\"default\"" } else { "" };
+    let [name, key, error_is] = [about.name, about.scene_key, about.error_is].map(Html::text);
+    let columns = [about.unit, "error", "spread", "CPU s"].map(|title| (title, Align::Number));
+    let rows = curve.points.iter().map(|point| {
         let spread = point.spread.map_or_else(String::new, |s| format!("± {s:.1e}"));
-        let _ = writeln!(
-            text,
-            "<tr{mark}><td>{}</td><td>{:.2e}</td><td>{spread}</td><td>{}</td></tr>",
-            number(point.value),
-            point.error,
-            seconds(point.seconds)
-        );
-    }
-    text.push_str("</table>\n");
+        let cells = vec![number(point.value), format!("{:.2e}", point.error), spread, seconds(point.seconds)];
+        let class = if point.value == about.default { "default" } else { "" };
+        (class, cells.into_iter().map(Html::from).collect())
+    });
+    let table = table(about.name, &columns, rows);
+    let _ = write!(text, "<h2>{name}</h2>\n<p>Set by <code>{key}</code>. Error: {error_is}.</p>\n{table}");
 }
-
-/// Text as it may stand in a page.
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
-}
-
-const HEAD: &str = "<!DOCTYPE html>
-<html lang=\"en\">
-<head>
-<meta charset=\"utf-8\">
-<title>yorp accuracy</title>
-<style>
-body { font-family: sans-serif; max-width: 60em; margin: 2em auto; padding: 0 1em; color: #222; }
-svg { max-width: 100%; height: auto; }
-table { border-collapse: collapse; }
-th, td { padding: 0.2em 0.8em; text-align: right; border-bottom: 1px solid #ddd; }
-tr.default { font-weight: bold; color: #be3228; }
-</style>
-</head>
-<body>
-<h1>Error against run time</h1>
-";
 
 #[cfg(test)]
 mod tests {

@@ -6,6 +6,7 @@ use crate::evolve::EvolveError;
 use crate::exchange::{AggregateFileError, MeshFileError, UnknownFormat, WriteError};
 use crate::scene::SceneError;
 use crate::shed::ShedError;
+use crate::store::StoreError;
 
 /// Why a command ended without its result.
 #[derive(Debug)]
@@ -85,6 +86,13 @@ impl From<UnknownFormat> for CliError {
 impl From<WriteError> for CliError {
     fn from(error: WriteError) -> Self {
         Self::write(error)
+    }
+}
+
+impl From<StoreError> for CliError {
+    fn from(error: StoreError) -> Self {
+        let code = if error.is_write_failure() { Failure::Write } else { Failure::Input };
+        Self::new(code, error)
     }
 }
 

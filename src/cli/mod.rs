@@ -10,6 +10,7 @@ mod output;
 mod plan;
 mod progress;
 mod relax;
+mod report;
 mod rigid;
 mod run;
 mod schema;
@@ -56,6 +57,8 @@ enum Command {
     Torque(torque::Arguments),
     /// Follow shed spheres, or the other half of a fission, around an aggregate
     Track(track::Arguments),
+    /// Show what a run recorded as a page that opens from disk
+    Report(report::Arguments),
     /// Measure error against run time of the numerical knobs
     Accuracy(accuracy::Arguments),
 }
@@ -95,6 +98,7 @@ fn execute(cli: &Cli) -> Result<(), CliError> {
         Command::Tile(arguments) => tile::run(arguments, cli.json),
         Command::Torque(arguments) => torque::run(arguments, cli.json),
         Command::Track(arguments) => track::run(arguments, cli.json),
+        Command::Report(arguments) => report::run(arguments, cli.json),
         Command::Accuracy(arguments) => accuracy::run(arguments, cli.json),
     }
 }

@@ -15,6 +15,21 @@ static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 /// Time between two plain lines.
 const LINE_EVERY: Duration = Duration::from_secs(10);
 
+/// Takes over Ctrl-C: the first only asks, see [`is_interrupted`]; the second ends the process at once.
+pub(super) fn catch_interrupt() -> Result<(), CliError> {
+    ctrlc::set_handler(|| {
+        if INTERRUPTED.swap(true, Ordering::SeqCst) {
+            std::process::exit(130);
+        }
+    })
+    .map_err(CliError::input)
+}
+
+/// Whether the user has asked this process to stop.
+pub(super) fn is_interrupted() -> bool {
+    INTERRUPTED.load(Ordering::Relaxed)
+}
+
 /// Reports a run to the person who started it.
 pub(super) struct Reporter {
     bar: Option<ProgressBar>,
@@ -26,12 +41,7 @@ pub(super) struct Reporter {
 impl Reporter {
     /// Starts reporting and takes over Ctrl-C: the first ends the run at its next safe point, the second at once.
     pub(super) fn start() -> Result<Self, CliError> {
-        ctrlc::set_handler(|| {
-            if INTERRUPTED.swap(true, Ordering::SeqCst) {
-                std::process::exit(130);
-            }
-        })
-        .map_err(CliError::input)?;
+        catch_interrupt()?;
         let bar = std::io::stderr().is_terminal().then(|| {
             let style = ProgressStyle::with_template("{bar:24} {percent:>3} % {msg}").expect("a valid template");
             ProgressBar::new(1000).with_style(style)
@@ -78,7 +88,7 @@ impl Observer for Reporter {
     }
 
     fn interrupted(&self) -> bool {
-        INTERRUPTED.load(Ordering::Relaxed)
+        is_interrupted()
     }
 
     fn warn(&mut self, message: &str) {

@@ -7,6 +7,7 @@ use serde_json::{Map, Value, json};
 use super::progress::Reporter;
 use super::{CliError, output};
 use crate::evolve::driver::{MYR_S, Summary, run as evolve};
+use crate::report::page::part_error;
 use crate::scene::SceneFile;
 use crate::store::Part;
 
@@ -108,18 +109,7 @@ fn as_text(summary: &Summary, arguments: &Arguments) -> String {
     );
     let _ = writeln!(text, "\n{:<10}{:>12}{:>12}{:>8}  error", "part", "seconds", "CPU s", "count");
     for (part, total) in &totals.parts {
-        let error = match part {
-            Part::Check | Part::Movement => format!(
-                "angular momentum {:.1e}, momentum {:.1e}, overlap {:.1e} R",
-                totals.angular_momentum_drift, totals.momentum_drift, totals.max_overlap_radii
-            ),
-            Part::Torque => totals
-                .torque_error
-                .map_or(String::new(), |(s, o)| format!("spin {s:.1e} N m, obliquity {o:.1e} N m (latest shape)")),
-            Part::Spin => format!("spin rate {:.1e} relative per leg", totals.spin_error),
-            Part::Tiling => totals.vertices_flagged.map_or(String::new(), |n| format!("{n} vertices off the normal")),
-            Part::Build | Part::Settle | Part::Store => String::new(),
-        };
+        let error = part_error(*part, totals);
         let _ = writeln!(
             text,
             "{:<10}{:>12.3}{:>12.3}{:>8}  {error}",

@@ -9,5 +9,6 @@ pub mod vtk;
 
 pub use aggregate_file::{AggregateFileError, MAX_AGGREGATE_BYTES, read_aggregate};
 pub use mesh_file::{MAX_MESH_BYTES, MeshFileError, read_mesh};
+pub(crate) use output::write_whole;
 pub use output::{AggregateFormat, MeshFormat, UnknownFormat, WriteError, write_aggregate, write_mesh};
 pub use table::{check_table_name, write_table};

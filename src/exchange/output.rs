@@ -103,7 +103,7 @@ pub(super) fn ending(file: &Path) -> String {
 }
 
 /// Writes beside the file and renames, so that a full disk leaves no half file and no lost one.
-pub(super) fn write_whole(file: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+pub(crate) fn write_whole(file: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     let mut name = file.file_name().unwrap_or_default().to_owned();
     name.push(".partial");
     let partial = file.with_file_name(name);
