@@ -5,6 +5,7 @@
 #![warn(missing_docs)]
 
 pub mod accuracy;
+pub mod classify;
 pub mod cli;
 pub mod evolve;
 pub mod exchange;

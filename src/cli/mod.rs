@@ -5,6 +5,7 @@
 mod accuracy;
 mod arguments;
 mod build;
+mod classify;
 pub mod error;
 mod output;
 mod plan;
@@ -59,6 +60,8 @@ enum Command {
     Track(track::Arguments),
     /// Show what a run recorded as a page that opens from disk
     Report(report::Arguments),
+    /// Name the types of spin and obliquity evolution in a run, with its statistics
+    Classify(classify::Arguments),
     /// Measure error against run time of the numerical knobs
     Accuracy(accuracy::Arguments),
 }
@@ -99,6 +102,7 @@ fn execute(cli: &Cli) -> Result<(), CliError> {
         Command::Torque(arguments) => torque::run(arguments, cli.json),
         Command::Track(arguments) => track::run(arguments, cli.json),
         Command::Report(arguments) => report::run(arguments, cli.json),
+        Command::Classify(arguments) => classify::run(arguments, cli.json),
         Command::Accuracy(arguments) => accuracy::run(arguments, cli.json),
     }
 }

@@ -29,7 +29,7 @@ const MAX_REFINEMENT: u32 = 2;
 
 /// How far the rigid reference curve is followed, Myr: twice the 15 Myr of most runs (Table 2: bodies that would spin up
 /// for ever were followed for 30 Myr). It does not depend on the scene's duration, which may grow when a run resumes.
-const RIGID_LIMIT_MYR: f64 = 30.0;
+pub const RIGID_LIMIT_MYR: f64 = 30.0;
 
 /// A share of the angular momentum across the spin axis above which the user is told.
 const NON_AXIAL_WARNING: f64 = 0.02;

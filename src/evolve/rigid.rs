@@ -24,7 +24,8 @@ const SPIN_POINTS: f64 = 0.02;
 const LEG_SPIN_CHANGE: f64 = 0.5;
 
 /// How the cycle of a rigid body ends.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum RigidEnd {
     /// The end of the YORP cycle: slowed down beyond a period of 20 days, where real bodies tumble.
     SpunDown,
