@@ -41,7 +41,7 @@ fn the_page_of_a_run_is_whole_and_needs_no_network() {
     for outside in ["http://", "https://", "src=", "@import", "url(", "<link", "<iframe"] {
         assert!(!page.contains(outside), "{outside}");
     }
-    for section in ["scene", "body", "intervals", "shed", "settling", "costs"] {
+    for section in ["type", "scene", "body", "intervals", "shed", "settling", "costs"] {
         assert!(page.contains(&format!("<section id=\"{section}\">")), "{section}");
     }
     let data = run_data(&page);

@@ -48,20 +48,22 @@ class Timeline {
     this.retiled = new Uint8Array(this.data.vertices);
     for (const sphere of frame.gone) this.here[sphere] = 0;
     const spheres = readPoints(frame.spheres, wide), vertices = readPoints(frame.vertices, wide);
-    spheres.numbers.forEach((sphere, i) => {
-      const known = this.here[sphere] === 1;
-      const shift = [0, 1, 2].map(k => {
-        const value = spheres.points[3 * i + k] * unit, change = value - this.position[3 * sphere + k];
+    for (let i = 0; i < spheres.numbers.length; i++) {
+      const sphere = spheres.numbers[i];
+      let squares = 0;
+      for (let k = 0; k < 3; k++) {
+        const value = spheres.points[3 * i + k] * unit;
+        squares += (value - this.position[3 * sphere + k]) ** 2;
         this.position[3 * sphere + k] = value;
-        return change;
-      });
+      }
+      if (this.here[sphere]) { this.moved[sphere] = 1; this.step[sphere] = Math.sqrt(squares); }
       this.here[sphere] = 1;
-      if (known) { this.moved[sphere] = 1; this.step[sphere] = Math.hypot(...shift); }
-    });
-    vertices.numbers.forEach((vertex, i) => {
+    }
+    for (let i = 0; i < vertices.numbers.length; i++) {
+      const vertex = vertices.numbers[i];
       for (let k = 0; k < 3; k++) this.vertex[3 * vertex + k] = vertices.points[3 * i + k] * unit;
       this.retiled[vertex] = this.at > 0 ? 1 : 0;
-    });
+    }
   }
 
   // Displacement of a sphere since the first shape, m.

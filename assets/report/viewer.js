@@ -29,8 +29,8 @@ class Viewer {
     this.view.cameraMoved = () => this.save();
     this.view.afterDraw = () => this.annotate();
     this.restore();
-    this.connect();
     this.theme();
+    this.connect();
     this.canvas.dataset.lit = this.view.litPixels();
   }
 

@@ -77,7 +77,8 @@ impl Synthetic {
         }
         let mut ledger = Ledger::default();
         let mut numbers = Numbers(1);
-        let mut positions = lattice(self.spheres);
+        let home = lattice(self.spheres);
+        let mut positions = home.clone();
         let mut state = state(&positions);
         store.save_built(&state, &ledger).unwrap();
         if self.until == Until::Built {
@@ -95,7 +96,8 @@ impl Synthetic {
             frame_rotation: IDENTITY,
         };
         let reach = positions.iter().map(|p| p[0].hypot(p[1]).hypot(p[2])).fold(0.0, f64::max) + RADIUS_M;
-        let mut vertices: Vec<[f64; 3]> = mesh.vertices.iter().map(|v| v.map(|c| c * reach)).collect();
+        let sphere: Vec<[f64; 3]> = mesh.vertices.iter().map(|v| v.map(|c| c * reach)).collect();
+        let mut vertices = sphere.clone();
         let mut ids: Vec<u32> = (0..positions.len() as u32).collect();
         let rigid: Vec<RigidRecord> =
             (0..200).map(|i| RigidRecord { t_s: f64::from(i) * 1e4 * YEAR_S, omega: 3e-4, obliquity: 0.1 }).collect();
@@ -111,16 +113,16 @@ impl Synthetic {
             for (row, id) in ids.iter().enumerate() {
                 if numbers.next() < self.moved {
                     let shift: [f64; 3] = std::array::from_fn(|_| 40.0 * (numbers.next() - 0.5));
-                    positions[row].iter_mut().zip(shift).for_each(|(c, s)| *c += s);
+                    positions[row] = std::array::from_fn(|k| home[row][k] + shift[k]);
                     let displacement_m = shift.iter().map(|s| s * s).sum::<f64>().sqrt();
                     let enclosed_mass_fraction = (row + 1) as f64 / ids.len() as f64;
                     movements.push(MovementRecord { sphere: *id, displacement_m, enclosed_mass_fraction });
                 }
             }
-            for vertex in vertices.iter_mut() {
+            for (vertex, at) in vertices.iter_mut().zip(&sphere) {
                 if numbers.next() < self.moved {
                     let factor = 0.95 + 0.1 * numbers.next();
-                    vertex.iter_mut().for_each(|c| *c *= factor);
+                    *vertex = at.map(|c| c * factor);
                 }
             }
             let mut shedding = Shedding::default();

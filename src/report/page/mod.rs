@@ -2,6 +2,7 @@
 //!
 //! Layout, style and scripts are files of `assets/report/`; this folder fills them with a run.
 
+mod classification;
 mod costs;
 mod html;
 mod path;
@@ -89,6 +90,7 @@ struct Section {
 fn body(run: &RunData, extras: &Extras, view: Option<&View>, title: &Html) -> String {
     let section = |id, title, content: Option<String>| content.map(|content| Section { id, title, content });
     let sections: Vec<Section> = [
+        section("type", "Type of evolution", classification::classification(run).map(|t| t.to_string())),
         section("scene", "Scene and plan", Some(scene_and_plan(run))),
         section("body", "The body through time", view.map(viewer)),
         section("figures", "Figures", pictures(extras)),

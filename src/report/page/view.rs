@@ -363,3 +363,112 @@ impl Before {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::store::RunStore;
+
+    /// Three spheres of which the last one moves in configuration 1 and leaves before configuration 2, and so on again.
+    fn run(configurations: u32) -> RunData {
+        let folder = tempfile::tempdir().unwrap();
+        let body = crate::scene::Body::File(crate::scene::FileBody { path: "a.csv".into() });
+        drop(RunStore::open(folder.path(), &crate::scene::Scene::from_body(body), false).unwrap());
+        let mut run = RunData::read(folder.path()).unwrap();
+        run.sphere_radius_m = vec![10.0; 4];
+        run.sphere_mass_kg = vec![1e9; 4];
+        run.configurations = (0..configurations).map(configuration).collect();
+        run.movements = vec![Vec::new(); configurations as usize];
+        run
+    }
+
+    fn configuration(number: u32) -> ConfigurationRecord {
+        let n = f64::from(number);
+        let all = [[-30.0, 0.0, 0.0], [30.0, 0.0, 0.0], [0.0, 40.0, 0.0], [0.0, 0.0, 20.0 + n]];
+        let spheres = if number < 2 { 4 } else { 3 };
+        ConfigurationRecord {
+            configuration: number,
+            after_leg: number.checked_sub(1),
+            t_s: n * MYR_S,
+            mass_kg: 1e9 * spheres as f64,
+            sphere_ids: (0..spheres as u32).collect(),
+            positions: all[..spheres].to_vec(),
+            body_axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+            centre_of_mass: [0.0; 3],
+            moments_kg_m2: [1.0; 3],
+            b1_axes_m: [1.0; 3],
+            b2_axes_m: [1.0; 3],
+            densities_kg_m3: [1.0; 4],
+            vertices: vec![[50.0, 0.0, n], [0.0, 50.0, 0.0]],
+            vertices_kept: 1,
+            vertices_flagged: 0,
+            facets_folded: 0,
+            torque: crate::store::TorqueRecord {
+                obliquity: vec![],
+                spin_rate: vec![],
+                spin_torque: vec![],
+                obliquity_torque: vec![],
+                spin_torque_error: 0.0,
+                obliquity_torque_error: 0.0,
+            },
+        }
+    }
+
+    /// Bytes of numbered points in base64.
+    fn coded(points: usize) -> usize {
+        (points * 8).div_ceil(3) * 4
+    }
+
+    #[test]
+    fn a_shape_costs_what_differs_from_the_one_before() {
+        let view = View::of(&run(3)).unwrap();
+        let sizes: Vec<_> = view.frames.iter().map(|f| (f.spheres.len(), f.vertices.len(), f.gone.clone())).collect();
+        assert_eq!(sizes[0], (coded(4), coded(2), vec![]));
+        assert_eq!(sizes[1], (coded(1), coded(1), vec![]));
+        assert_eq!(sizes[2], (coded(0), coded(1), vec![3]));
+        assert!((view.largest_step_m - 1.0).abs() < view.unit);
+        assert!(view.reach >= 50.0 && view.reach < 51.0);
+        assert!(!view.wide && view.stride == 1);
+    }
+
+    #[test]
+    fn too_many_shapes_are_thinned_out_and_the_last_one_stays() {
+        let run = run(100);
+        let whole = View::of(&run).unwrap();
+        let thinned = View::within(&run, whole.bytes() / 3).unwrap();
+        assert!(thinned.bytes() <= whole.bytes() / 3 && thinned.stride >= 3);
+        let shown: Vec<_> = thinned.frames.iter().map(|f| f.configuration).collect();
+        assert_eq!((shown[0], shown[1], *shown.last().unwrap()), (0, thinned.stride as i64, 99));
+        // Never fewer than the first and the last one.
+        assert_eq!(View::within(&run, 1).unwrap().frames.len(), 2);
+    }
+
+    /// -G m (1/60 + 1/50 + ...) less half the squared speed of turning: highest where the body is least bound.
+    #[test]
+    fn potentials_span_the_colours() {
+        let view = View::of(&run(1)).unwrap();
+        let [low, high] = view.potential_m2_s2;
+        let pair = |d: f64| 1e9 * pkd::constants::G / d;
+        let of_first = -(pair(60.0) + pair(50.0) + pair(1300.0_f64.sqrt()));
+        assert!(low < high && low <= of_first && of_first <= high);
+    }
+
+    #[test]
+    fn a_loss_belongs_to_the_first_shape_without_it() {
+        let mut run = run(3);
+        let loss = LossRecord {
+            sphere: 3,
+            t_s: 2.0 * MYR_S,
+            omega: 3e-4,
+            position: [100.0, 0.0, 0.0],
+            velocity: [0.0, 0.1, 0.0],
+            spin: [0.0; 3],
+            energy_j: 1.0,
+        };
+        run.losses = vec![(Some(1), loss)];
+        let view = View::of(&run).unwrap();
+        assert_eq!(view.frames.iter().map(|f| f.lost.len()).collect::<Vec<_>>(), [0, 0, 1]);
+        run.losses = vec![(None, loss)];
+        assert_eq!(View::of(&run).unwrap().frames[0].lost.len(), 1);
+    }
+}
