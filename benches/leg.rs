@@ -8,7 +8,7 @@ use yorp::evolve::block::Aggregate;
 use yorp::evolve::build::build;
 use yorp::evolve::check::{check_spin, compare};
 use yorp::evolve::configuration::{Original, Shape, next_object, object_0};
-use yorp::evolve::driver::engine;
+use yorp::evolve::engine::ContactLaw;
 use yorp::evolve::settling::begin;
 use yorp::evolve::{Progress, Silent};
 use yorp::scene::{Scene, SceneFile};
@@ -42,7 +42,7 @@ fn main() {
 #[divan::bench(sample_count = 5, sample_size = 1)]
 fn check_of_a_spin_that_the_body_bears() {
     let Body { scene, state, shape, .. } = &*BODY;
-    let mut engine = engine(scene);
+    let mut engine = ContactLaw::of(scene).engine(state.normal_stiffness_n_m);
     let check = check_spin(
         &mut engine,
         scene,
@@ -64,7 +64,7 @@ fn tiling_and_torques_after_a_movement() -> Shape {
         let farthest = (0..column.len()).max_by(|i, j| column[*i].total_cmp(&column[*j])).expect("not empty");
         column[farthest] += 17.0;
     }
-    let body = Aggregate { spheres: after.spheres.clone(), ids: after.sphere_ids.clone() };
+    let body = Aggregate::of(&after);
     let movement = compare(scene, &shape.record, &body);
     next_object(scene, original, shape, state, &after, &movement, &mut Ledger::default()).expect("can be tiled").0
 }

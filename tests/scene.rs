@@ -372,7 +372,7 @@ fn variants_of_every_enumeration_are_read() {
         .replace("\"self_heating\": \"none\"", "\"self_heating\": \"multiple\"");
     assert_eq!(parse(&parse(&warm).unwrap().to_json()).unwrap(), parse(&warm).unwrap());
     let scene = parse(text).unwrap();
-    let Contact::HardSphere(contact) = &scene.contact;
+    let Contact::HardSphere(contact) = &scene.contact else { panic!("{:?}", scene.contact) };
     assert_eq!((contact.restitution_normal, scene.evolution.stop_period_h), (0.2, None));
     assert_eq!(parse(&scene.to_json()).unwrap(), scene);
 }

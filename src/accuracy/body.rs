@@ -36,8 +36,16 @@ impl<'a> Bench<'a> {
     /// # Errors
     /// If the spheres cannot be packed.
     pub fn packed_body(&self, seed: u64) -> Result<Spheres, AccuracyError> {
+        self.packed_body_of(self.effort.spheres(), seed)
+    }
+
+    /// The same of this many spheres.
+    ///
+    /// # Errors
+    /// If the spheres cannot be packed.
+    pub fn packed_body_of(&self, count: usize, seed: u64) -> Result<Spheres, AccuracyError> {
         let mut body = ellipsoid_packing(&EllipsoidPacking {
-            count: self.effort.spheres(),
+            count,
             grain: Grain { radius: RADIUS_M, density: 2960.0 },
             b_over_a: 0.7,
             c_over_a: 0.7,

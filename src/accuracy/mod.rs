@@ -11,6 +11,7 @@ mod hard_sphere_step;
 mod page;
 mod sampling;
 mod shed_orbit;
+mod soft_sphere;
 mod spin;
 
 use serde::Serialize;
@@ -130,9 +131,13 @@ pub enum AccuracyError {
 }
 
 /// Every knob there is, in the order of the hand-off loop.
-pub fn knobs() -> [&'static dyn Knob; 12] {
+pub fn knobs() -> [&'static dyn Knob; 16] {
     [
         &hard_sphere_step::HardSphereStep,
+        &soft_sphere::StepsPerContact,
+        &soft_sphere::FieldTolerance,
+        &soft_sphere::Skin,
+        &soft_sphere::ForceError,
         &facets::Facets,
         &sampling::AZIMUTH_BINS,
         &sampling::DECLINATION_NODES,
@@ -209,7 +214,8 @@ mod tests {
         let chosen = |part| select(part).map(|knobs| knobs.iter().map(|k| k.about().name).collect::<Vec<_>>());
         assert_eq!(chosen(None).unwrap(), names);
         assert_eq!(chosen(Some("facets")).unwrap(), ["facets"]);
-        assert_eq!(chosen(Some("pkd")).unwrap(), ["hard_sphere_step"]);
+        let dynamics = ["hard_sphere_step", "steps_per_contact", "field_tolerance", "skin", "force_error"];
+        assert_eq!(chosen(Some("pkd")).unwrap(), dynamics);
         let error = chosen(Some("warp")).unwrap_err().to_string();
         assert!(error.contains("warp") && names.iter().all(|n| error.contains(n)), "{error}");
     }

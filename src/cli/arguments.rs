@@ -116,6 +116,10 @@ pub(super) fn until_myr(text: &str) -> Result<f64, String> {
     number(text, |x| x >= 0.0, "a finite number, at least 0")
 }
 
+pub(super) fn field_tolerance(text: &str) -> Result<f64, String> {
+    number(text, |x| (0.0..=0.1).contains(&x), "at least 0, at most 0.1")
+}
+
 pub(super) fn ias15_tolerance(text: &str) -> Result<f64, String> {
     number(text, |x| (1e-16..=1e-3).contains(&x), "at least 1e-16, at most 1e-3")
 }

@@ -80,6 +80,7 @@ fn as_value(summary: &Summary) -> Value {
         "movements": totals.movements,
         "shed_mass_fraction": totals.shed_mass_fraction,
         "outcome": summary.ending.outcome.name(),
+        "normal_stiffness_n_m": summary.normal_stiffness_n_m,
         "seconds": totals.seconds,
         "cpu_seconds": totals.cpu_seconds,
         "parts": parts,
@@ -107,6 +108,9 @@ fn as_text(summary: &Summary, arguments: &Arguments) -> String {
         totals.seconds,
         totals.cpu_seconds,
     );
+    if let Some(stiffness) = summary.normal_stiffness_n_m {
+        let _ = writeln!(text, "soft contacts with a normal stiffness of {stiffness:.4e} N/m");
+    }
     let _ = writeln!(text, "\n{:<10}{:>12}{:>12}{:>8}  error", "part", "seconds", "CPU s", "count");
     for (part, total) in &totals.parts {
         let error = part_error(*part, totals);

@@ -6,10 +6,11 @@ use nalgebra::Vector3;
 use pkd::Spheres;
 use pkd::equilibrium::compact_ellipsoid;
 use pkd::frame::{set_rigid_rotation, to_principal_axes};
-use pkd::hard_sphere::{HardSphereParameters, repair_overlaps};
+use pkd::hard_sphere::HardSphereParameters;
 use pkd::packing::{EllipsoidPacking, Grain, PACKING_FRACTION, Seed, carve, hcp_lattice, random_fill};
 use tiling::inside::Inside;
 
+use super::engine::ContactLaw;
 use super::{EvolveError, Observer, Progress};
 use crate::exchange::{read_aggregate, read_mesh};
 use crate::scene::{Body, CarvedMesh, PackedEllipsoid, Packing, Scene, SceneFile};
@@ -29,7 +30,6 @@ const RATIO_WARNING: f64 = 0.03;
 pub fn aggregate(scene: &SceneFile, observer: &mut dyn Observer) -> Result<Spheres, EvolveError> {
     construct(scene, observer).map_err(|error| match error {
         // What does not fit here is the scene's, not the integrator's.
-        EvolveError::Dynamics(pkd::PkdError::Stopped) => EvolveError::Interrupted,
         EvolveError::Dynamics(cause) => EvolveError::Aggregate(cause),
         other => other,
     })
@@ -48,6 +48,24 @@ fn construct(scene: &SceneFile, observer: &mut dyn Observer) -> Result<Spheres, 
         set_rigid_rotation(&mut spheres, Vector3::z() * scene.scene.spin.rate_rad_s())?;
     }
     Ok(spheres)
+}
+
+/// Refuses contacts that no body of these spheres can be resolved with: building one takes long.
+///
+/// The stiffness of a body is at least that of two of its spheres, which fall onto each other.
+///
+/// # Errors
+/// [`EvolveError::Contact`].
+pub fn refuse_early(scene: &Scene) -> Result<(), EvolveError> {
+    if let Body::PackedEllipsoid(body) = &scene.body {
+        let mass = Grain { radius: body.radius_m, density: body.grain_density_kg_m3 }.mass();
+        let mut pair = Spheres::default();
+        for side in [-1.0, 1.0] {
+            pair.push([side * body.radius_m, 0.0, 0.0], [0.0; 3], [0.0; 3], mass, body.radius_m);
+        }
+        ContactLaw::of(scene).stiffness(&pair).map_err(EvolveError::Contact)?;
+    }
+    Ok(())
 }
 
 /// Packs and compacts an ellipsoid until the compact body has the ratios wanted.
@@ -83,8 +101,7 @@ fn packed(
 
 fn from_file(path: PathBuf, scene: &SceneFile, observer: &mut dyn Observer) -> Result<Spheres, EvolveError> {
     let mut spheres = read_aggregate(&path)?;
-    let report = repair_overlaps(&mut spheres, &scene.scene.contact.to_pkd(&scene.scene.gravity))?;
-    if report.overlap_repairs > 0 {
+    if let Some(report) = ContactLaw::of(&scene.scene).part_overlaps(&mut spheres)? {
         observer.warn(&format!(
             "{}: pushed {} overlapping pairs apart, the deepest by {:.2e} radii",
             path.display(),

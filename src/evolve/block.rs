@@ -4,13 +4,14 @@
 
 use nalgebra::Vector3;
 use pkd::Spheres;
-use pkd::hard_sphere::HardSphere;
 use pkd::mass_properties::{MassProperties, mass_properties};
+use pkd::soft_sphere::ContactHistory;
 
+use super::engine::Engine;
 use super::movement::{Coordinates, Movement, MovementRule, detect_movement};
 use super::shedding::{Departures, departures};
 use super::{EvolveError, Observer};
-use crate::store::DynamicsRecord;
+use crate::store::{DynamicsRecord, State};
 
 /// An aggregate and the identity of its spheres through losses.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,6 +20,16 @@ pub struct Aggregate {
     pub spheres: Spheres,
     /// Row of each sphere in the run's list of spheres, ascending.
     pub ids: Vec<u32>,
+    /// What their contacts remember; nothing in runs of hard spheres.
+    pub contacts: ContactHistory,
+}
+
+impl Aggregate {
+    /// A copy of the aggregate of a stored state.
+    pub fn of(state: &State) -> Self {
+        let (spheres, ids) = (state.spheres.clone(), state.sphere_ids.clone());
+        Self { spheres, ids, contacts: state.contacts.clone() }
+    }
 }
 
 /// What one block did.
@@ -44,7 +55,7 @@ pub struct Block {
 /// # Errors
 /// The integration failed, or the observer asked to stop.
 pub fn evolve_block(
-    engine: &mut HardSphere,
+    engine: &mut Engine,
     aggregate: &mut Aggregate,
     rotations: u32,
     movement_radius_fraction: f64,
@@ -56,12 +67,14 @@ pub fn evolve_block(
     let period_s = std::f64::consts::TAU / before.spin_rate();
     let mut dynamics = DynamicsRecord { rotations, ..DynamicsRecord::default() };
     for done in 1..=rotations {
-        let report = engine.evolve(&mut aggregate.spheres, period_s)?;
-        dynamics.collisions += report.counts.collisions;
-        dynamics.slide_rule += report.counts.slide;
-        dynamics.collapse_rule += report.counts.collapse;
-        dynamics.capped += report.counts.capped;
-        dynamics.max_overlap_radii = dynamics.max_overlap_radii.max(report.max_overlap_over_radius);
+        let Aggregate { spheres, contacts, .. } = &mut *aggregate;
+        let work = engine.evolve(spheres, contacts, period_s, &mut || !observer.interrupted())?;
+        let counts = work.collisions();
+        dynamics.collisions += counts.collisions;
+        dynamics.slide_rule += counts.slide;
+        dynamics.collapse_rule += counts.collapse;
+        dynamics.capped += counts.capped;
+        dynamics.max_overlap_radii = dynamics.max_overlap_radii.max(work.max_overlap_over_radius());
         if observer.interrupted() {
             return Err(EvolveError::Interrupted);
         }

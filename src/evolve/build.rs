@@ -3,8 +3,8 @@
 use pkd::Spheres;
 use tiling::hull::sphere_hull_volume;
 
-use super::aggregate::aggregate;
-use super::driver::engine;
+use super::aggregate::{aggregate, refuse_early};
+use super::engine::ContactLaw;
 use super::settling::{begin, settle_block};
 use super::{EvolveError, Observer};
 use crate::scene::SceneFile;
@@ -28,8 +28,9 @@ pub struct Built {
 /// # Errors
 /// As a run: a wrong input, a numerical failure, a body that falls apart, or an interruption.
 pub fn build(scene: &SceneFile, settle: bool, observer: &mut dyn Observer) -> Result<Built, EvolveError> {
+    refuse_early(&scene.scene)?;
     let mut state = begin(&scene.scene, aggregate(scene, observer)?)?;
-    let mut engine = engine(&scene.scene);
+    let mut engine = ContactLaw::of(&scene.scene).engine(state.normal_stiffness_n_m);
     let (mut rotations, mut settled) = (0, None);
     while settle && state.stage == Stage::Built {
         let (next, block, _) = settle_block(&scene.scene, &mut engine, state, observer)?;

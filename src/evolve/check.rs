@@ -3,11 +3,11 @@
 
 use nalgebra::Vector3;
 use pkd::frame::add_spin;
-use pkd::hard_sphere::HardSphere;
 use pkd::mass_properties::mass_properties;
 
 use super::EvolveError;
 use super::block::{Aggregate, coordinates, evolve_block};
+use super::engine::Engine;
 use super::fate::shed;
 use super::movement::{Movement, detect_movement};
 use super::observer::{Observer, Progress};
@@ -38,7 +38,7 @@ pub struct Check {
 /// # Errors
 /// The integration failed, or the observer asked to stop.
 pub fn check_spin(
-    engine: &mut HardSphere,
+    engine: &mut Engine,
     scene: &Scene,
     state: &State,
     [t_s, omega]: [f64; 2],
@@ -46,7 +46,7 @@ pub fn check_spin(
     observer: &mut dyn Observer,
     progress: Progress,
 ) -> Result<Check, EvolveError> {
-    let mut body = Aggregate { spheres: state.spheres.clone(), ids: state.sphere_ids.clone() };
+    let mut body = Aggregate::of(state);
     let properties = mass_properties(&body.spheres)?;
     let axis = Vector3::from(properties.axes.column(2));
     let present = properties.angular_momentum.dot(&axis) / properties.moments.z;

@@ -6,13 +6,13 @@
 
 use std::path::Path;
 
-use pkd::hard_sphere::HardSphere;
 use pkd::mass_properties::mass_properties;
 
 use super::EvolveError;
-use super::aggregate::aggregate;
+use super::aggregate::{aggregate, refuse_early};
 use super::check::{Check, check_spin};
 use super::configuration::{Original, Shape, next_object, object_0};
+use super::engine::{ContactLaw, Engine};
 use super::observer::{Observer, Progress};
 use super::rigid::rigid_cycle;
 use super::settling::{begin, settle_block};
@@ -41,6 +41,8 @@ pub struct Summary {
     pub ending: Ending,
     /// Legs done.
     pub legs: u32,
+    /// Normal stiffness of soft contacts, N/m; `None` for hard spheres.
+    pub normal_stiffness_n_m: Option<f64>,
     /// Costs and errors over all sessions.
     pub totals: Totals,
 }
@@ -67,12 +69,13 @@ pub fn run(
     } else {
         Some(ledger.time(Part::Build, || aggregate(scene, observer))?)
     };
+    refuse_early(&scene.scene)?;
     let (store, _) = RunStore::open(directory, &scene.scene, resume)?;
     let mut driver = Driver {
         scene: &scene.scene,
         store,
         ledger,
-        engine: engine(&scene.scene),
+        engine: ContactLaw::of(&scene.scene).engine(None),
         observer,
         end_s,
         movements: 0,
@@ -81,16 +84,11 @@ pub fn run(
     driver.run(scene, fresh)
 }
 
-/// The engine that the scene's contacts ask for.
-pub fn engine(scene: &Scene) -> HardSphere {
-    HardSphere::new(scene.contact.to_pkd(&scene.gravity))
-}
-
 struct Driver<'a> {
     scene: &'a Scene,
     store: RunStore,
     ledger: Ledger,
-    engine: HardSphere,
+    engine: Engine,
     observer: &'a mut dyn Observer,
     end_s: f64,
     movements: u32,
@@ -114,6 +112,7 @@ impl Driver<'_> {
                 state
             }
         };
+        self.engine = ContactLaw::of(self.scene).engine(state.normal_stiffness_n_m);
         while state.stage == Stage::Built {
             state = self.settle(state)?;
         }
@@ -125,8 +124,9 @@ impl Driver<'_> {
         if self.store.ending()? != Some(ending) {
             self.store.save_ending(&ending, &self.ledger)?;
         }
-        let legs = self.store.state()?.map_or(0, |s| s.leg);
-        Ok(Summary { ending, legs, totals: self.store.totals()? })
+        let (legs, normal_stiffness_n_m) =
+            self.store.state()?.map_or((0, None), |state| (state.leg, state.normal_stiffness_n_m));
+        Ok(Summary { ending, legs, normal_stiffness_n_m, totals: self.store.totals()? })
     }
 
     /// One block of settling.
@@ -225,6 +225,7 @@ impl Driver<'_> {
         self.ledger.stop(if check.movement.is_some() { Part::Movement } else { Part::Check }, watch);
         self.note_check(&mut record, &check)?;
         next.spheres = check.body.spheres;
+        next.contacts = check.body.contacts;
         let Some(movement) = check.movement else {
             return self.commit_leg(LegRecord { result: "quiet".into(), ..record }, next, None, &Shedding::default());
         };

@@ -22,9 +22,12 @@ pub enum EvolveError {
     /// The aggregate cannot be made as the scene asks.
     #[error("the aggregate cannot be made: {0}")]
     Aggregate(pkd::PkdError),
+    /// The contacts of the spheres cannot be resolved with the parameters given.
+    #[error("the contacts cannot be resolved: {0}")]
+    Contact(pkd::PkdError),
     /// The dynamics of the spheres failed.
     #[error("the dynamics of the spheres failed: {0}")]
-    Dynamics(#[from] pkd::PkdError),
+    Dynamics(pkd::PkdError),
     /// The body cannot be tiled.
     #[error("the body cannot be tiled: {0}")]
     Tiling(#[from] tiling::TilingError),
@@ -52,4 +55,13 @@ pub enum EvolveError {
     /// The observer asked to stop; whatever was committed stays.
     #[error("interrupted; what was done until now is saved and --resume goes on")]
     Interrupted,
+}
+
+impl From<pkd::PkdError> for EvolveError {
+    fn from(error: pkd::PkdError) -> Self {
+        match error {
+            pkd::PkdError::Stopped => Self::Interrupted,
+            other => Self::Dynamics(other),
+        }
+    }
 }

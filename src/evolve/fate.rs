@@ -4,11 +4,12 @@
 use nalgebra::{Rotation3, Vector3};
 use pkd::Spheres;
 use pkd::frame::recentre;
-use pkd::hard_sphere::{HardSphereParameters, repair_overlaps};
 use pkd::mass_properties::mass_properties;
+use pkd::soft_sphere::ContactHistory;
 
 use super::EvolveError;
 use super::block::Aggregate;
+use super::engine::ContactLaw;
 use super::shedding::{Breakup, Departure, Departures};
 use crate::scene::{Rebound, Scene, Track};
 use crate::shed::{Elements, Fate, PairFate, Primary, ShedBody, TrackOptions, follow, follow_pair};
@@ -33,7 +34,7 @@ pub fn shed(
     {
         let options = rebound.to_shed(&scene.orbit, obliquity);
         match departures.breakup {
-            None => shedding.fates = fates(rebound, &options, body, &departures.spheres)?,
+            None => shedding.fates = fates(scene, rebound, &options, body, &departures.spheres)?,
             Some(Breakup::Fission) => shedding.fission = Some(fission(&options, body, &departures.spheres)?),
             // What is left of the body is no primary any more.
             Some(Breakup::Disrupted) => {}
@@ -52,6 +53,7 @@ fn loss(d: &Departure, t_s: f64, omega: f64) -> LossRecord {
 
 /// Follows each sphere that left, and puts back those that return.
 fn fates(
+    scene: &Scene,
     rebound: &Rebound,
     options: &TrackOptions,
     body: &mut Aggregate,
@@ -118,13 +120,17 @@ fn fates(
         records.push(record);
     }
     if !returning.is_empty() {
-        put_back(body, &returning)?;
+        put_back(scene, body, &returning)?;
     }
     Ok(records)
 }
 
 /// Puts spheres back into the body, in the order of their identities.
-fn put_back(body: &mut Aggregate, returning: &[(&Departure, [f64; 3], [f64; 3])]) -> Result<(), EvolveError> {
+fn put_back(
+    scene: &Scene,
+    body: &mut Aggregate,
+    returning: &[(&Departure, [f64; 3], [f64; 3])],
+) -> Result<(), EvolveError> {
     let (old, ids) = (std::mem::take(&mut body.spheres), std::mem::take(&mut body.ids));
     let mut rows: Vec<_> = ids
         .iter()
@@ -139,8 +145,12 @@ fn put_back(body: &mut Aggregate, returning: &[(&Departure, [f64; 3], [f64; 3])]
         body.ids.push(id);
         body.spheres.push(position, velocity, spin, mass, radius);
     }
+    body.contacts =
+        body.contacts.renumbered(|row| body.ids.binary_search(&ids[row as usize]).expect("still there") as u32);
     // Two that fall onto the same place at different times would overlap.
-    repair_overlaps(&mut body.spheres, &HardSphereParameters::default())?;
+    if ContactLaw::of(scene).part_overlaps(&mut body.spheres)?.is_some() {
+        body.contacts = ContactHistory::default();
+    }
     recentre(&mut body.spheres)?;
     Ok(())
 }
@@ -195,7 +205,7 @@ mod tests {
         }
         set_rigid_rotation(&mut spheres, Vector3::new(0.0, 2e-4, 0.0)).unwrap();
         spheres.push([3.0, 80.0, 1.0], [0.0, speed, 0.0], [0.0; 3], 1e7, 10.0);
-        let mut body = Aggregate { spheres, ids: (0..65).collect() };
+        let mut body = Aggregate { spheres, ids: (0..65).collect(), contacts: ContactHistory::default() };
         let found = departures(&body.spheres.clone(), &body).unwrap();
         assert_eq!(found.spheres.len(), 1);
         found.remove_from(&mut body).unwrap();
@@ -248,7 +258,7 @@ mod tests {
             }
         }
         spheres.push([0.0, 0.0, 40.0], [0.0, 1.0, 0.0], [0.0; 3], 1e9, 10.0);
-        let mut body = Aggregate { spheres, ids: (0..55).collect() };
+        let mut body = Aggregate { spheres, ids: (0..55).collect(), contacts: ContactHistory::default() };
         let found = departures(&body.spheres.clone(), &body).unwrap();
         assert_eq!(found.breakup, Some(Breakup::Fission));
         found.remove_from(&mut body).unwrap();

@@ -8,6 +8,7 @@ pub mod build;
 pub mod check;
 pub mod configuration;
 pub mod driver;
+pub mod engine;
 mod error;
 pub mod fate;
 pub mod movement;

@@ -5,10 +5,11 @@ use nalgebra::Vector3;
 use pkd::Spheres;
 use pkd::clusters::{CONTACT_GAP_OVER_RADIUS, contact_count};
 use pkd::gravity::potential_energy;
-use pkd::hard_sphere::{HardSphere, HardSphereParameters, Report};
 use pkd::mass_properties::{MassProperties, mass_properties};
+use pkd::soft_sphere::{ContactHistory, Stiffness};
 
 use super::block::{momentum_drift, movement_within};
+use super::engine::{ContactLaw, Engine, Work};
 use super::{EvolveError, Observer, Progress};
 use crate::scene::Settling;
 
@@ -27,7 +28,9 @@ pub enum Duration {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Relaxed {
     /// Work of the engine.
-    pub report: Report,
+    pub work: Work,
+    /// Stiffness of soft contacts and what asked for it.
+    pub stiffness: Option<Stiffness>,
     /// Rotations done, of the period at the start of each block.
     pub rotations: f64,
     /// For [`Duration::UntilSettled`] whether the last block was without movement.
@@ -38,7 +41,9 @@ pub struct Relaxed {
     pub cpu_seconds: f64,
     /// Touching neighbours of a sphere, on average.
     pub contacts_per_sphere: f64,
-    /// Change of the energy (motion, spin, gravity) over its initial size; collisions make it negative.
+    /// Of hard spheres the change of the energy (motion, spin, gravity) over its initial size; collisions make it
+    /// negative. Of soft spheres, which keep books of springs and heat as well, what the books are off by, over the
+    /// largest energy in them.
     pub energy_drift: f64,
     /// Change of the momentum over the sum of m|v|.
     pub momentum_drift: f64,
@@ -56,7 +61,7 @@ pub struct Relaxed {
 /// The engine failed, the body does not rotate although rotations are asked for, or the observer asked to stop.
 pub fn relax(
     spheres: &mut Spheres,
-    parameters: &HardSphereParameters,
+    law: &ContactLaw,
     duration: Duration,
     movement_radius_fraction: f64,
     observer: &mut dyn Observer,
@@ -64,17 +69,18 @@ pub fn relax(
     let clock = (std::time::Instant::now(), ProcessTime::now());
     let start = spheres.clone();
     let before = mass_properties(spheres)?;
-    let energy_before = total_energy(spheres, &before, parameters.gravity.is_some());
-    let mut engine = HardSphere::new(parameters.clone());
-    let mut report = Report::default();
+    let energy_before = total_energy(spheres, &before, law.has_gravity());
+    let stiffness = law.stiffness(spheres).map_err(EvolveError::Contact)?;
+    let engine = law.engine(stiffness.map(|s| s.normal_n_m));
+    let mut run = Run { work: engine.no_work(), engine, contacts: ContactHistory::default() };
     let (mut rotations, mut settled) = (0.0, None);
     match duration {
-        Duration::Seconds(seconds) => report = engine.evolve(spheres, seconds)?,
+        Duration::Seconds(seconds) => run.evolve(spheres, seconds, observer)?,
         Duration::Rotations(wanted) => {
             let period_s = period(&before)?;
             while rotations < wanted {
                 let part = (wanted - rotations).min(1.0);
-                report.add(&engine.evolve(spheres, part * period_s)?);
+                run.evolve(spheres, part * period_s, observer)?;
                 rotations += part;
                 one_rotation_done(observer, rotations)?;
             }
@@ -85,7 +91,7 @@ pub fn relax(
                 let block = spheres.clone();
                 let period_s = period(&mass_properties(spheres)?)?;
                 for _ in 0..settling.rotations {
-                    report.add(&engine.evolve(spheres, period_s)?);
+                    run.evolve(spheres, period_s, observer)?;
                     rotations += 1.0;
                     one_rotation_done(observer, rotations)?;
                 }
@@ -94,23 +100,42 @@ pub fn relax(
         }
     }
     let after = mass_properties(spheres)?;
-    let energy_after = total_energy(spheres, &after, parameters.gravity.is_some());
+    let energy_after = total_energy(spheres, &after, law.has_gravity());
     let spin_scale = before.angular_momentum.norm();
     let (axes_before, axes_after) = (before.deeve_axes(), after.deeve_axes());
     Ok(Relaxed {
-        report,
+        stiffness,
         rotations,
         settled,
         seconds: clock.0.elapsed().as_secs_f64(),
         cpu_seconds: clock.1.elapsed().as_secs_f64(),
         contacts_per_sphere: 2.0 * contact_count(spheres, CONTACT_GAP_OVER_RADIUS) as f64 / spheres.len() as f64,
-        energy_drift: (energy_after - energy_before) / energy_before.abs().max(f64::MIN_POSITIVE),
+        energy_drift: match &run.work {
+            Work::Soft(report) if report.ledger.is_some() => report.energy_drift().unwrap_or_default(),
+            _ => (energy_after - energy_before) / energy_before.abs().max(f64::MIN_POSITIVE),
+        },
+        work: run.work,
         momentum_drift: momentum_drift(spheres, &before, &after),
         angular_momentum_drift: (spin_scale > 0.0)
             .then(|| (after.angular_momentum - before.angular_momentum).norm() / spin_scale),
         moved_spheres: movement_within(&start, spheres, movement_radius_fraction).count(),
         shape_change: (axes_after - axes_before).component_div(&axes_before).abs().max(),
     })
+}
+
+/// An engine at work, with what it has to remember.
+struct Run {
+    engine: Engine,
+    contacts: ContactHistory,
+    work: Work,
+}
+
+impl Run {
+    fn evolve(&mut self, spheres: &mut Spheres, duration_s: f64, observer: &dyn Observer) -> Result<(), EvolveError> {
+        let work = self.engine.evolve(spheres, &mut self.contacts, duration_s, &mut || !observer.interrupted())?;
+        self.work.add(&work);
+        Ok(())
+    }
 }
 
 fn one_rotation_done(observer: &mut dyn Observer, rotations: f64) -> Result<(), EvolveError> {

@@ -1,10 +1,11 @@
 //! Settling of a freshly made aggregate, block by block, until a block of rotations shows no movement.
 
 use pkd::Spheres;
-use pkd::hard_sphere::HardSphere;
 use pkd::mass_properties::mass_properties;
+use pkd::soft_sphere::ContactHistory;
 
 use super::block::{Aggregate, evolve_block};
+use super::engine::{ContactLaw, Engine};
 use super::fate::shed;
 use super::{EvolveError, Observer, Progress};
 use crate::scene::Scene;
@@ -12,9 +13,12 @@ use crate::store::{SettlingRecord, Shedding, Stage, State};
 
 /// The state of a run whose aggregate has just been made.
 ///
+/// Its stiffness, if the contacts are soft, is found here, once for the whole run.
+///
 /// # Errors
-/// A sphere that is not finite.
+/// A sphere that is not finite, or contacts that cannot be resolved.
 pub fn begin(scene: &Scene, spheres: Spheres) -> Result<State, EvolveError> {
+    let stiffness = ContactLaw::of(scene).stiffness(&spheres).map_err(EvolveError::Contact)?;
     Ok(State {
         stage: Stage::Built,
         outcome: None,
@@ -27,6 +31,8 @@ pub fn begin(scene: &Scene, spheres: Spheres) -> Result<State, EvolveError> {
         obliquity: scene.spin.obliquity_rad(),
         sphere_ids: (0..spheres.len() as u32).collect(),
         spheres,
+        normal_stiffness_n_m: stiffness.map(|s| s.normal_n_m),
+        contacts: ContactHistory::default(),
     })
 }
 
@@ -38,13 +44,14 @@ pub fn begin(scene: &Scene, spheres: Spheres) -> Result<State, EvolveError> {
 /// The integration failed, the body fell apart, or the observer asked to stop.
 pub fn settle_block(
     scene: &Scene,
-    engine: &mut HardSphere,
+    engine: &mut Engine,
     mut state: State,
     observer: &mut dyn Observer,
 ) -> Result<(State, SettlingRecord, Shedding), EvolveError> {
     let settling = &scene.settling;
     let done = state.blocks * settling.rotations;
-    let mut body = Aggregate { spheres: state.spheres, ids: state.sphere_ids };
+    let (spheres, ids, contacts) = (state.spheres, state.sphere_ids, state.contacts);
+    let mut body = Aggregate { spheres, ids, contacts };
     let block = evolve_block(
         engine,
         &mut body,
@@ -73,6 +80,7 @@ pub fn settle_block(
     };
     state.spheres = body.spheres;
     state.sphere_ids = body.ids;
+    state.contacts = body.contacts;
     state.omega = properties.spin_rate();
     state.blocks += 1;
     let quiet = block.moved == 0 && block.departures.spheres.is_empty();

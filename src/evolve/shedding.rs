@@ -76,6 +76,7 @@ impl Departures {
             return Ok(());
         }
         aggregate.spheres = aggregate.spheres.filtered(&self.stays);
+        aggregate.contacts = aggregate.contacts.filtered(&self.stays);
         let mut stays = self.stays.iter();
         aggregate.ids.retain(|_| stays.next().copied().unwrap_or(false));
         recentre(&mut aggregate.spheres)?;
@@ -148,6 +149,7 @@ fn flags(n: usize, members: &[u32]) -> Vec<bool> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use pkd::soft_sphere::ContactHistory;
 
     /// A 3 x 3 x 3 block of touching unit-density spheres of radius 10 m, and one more sphere.
     fn block_with(position: [f64; 3], velocity: [f64; 3]) -> Aggregate {
@@ -157,7 +159,7 @@ mod tests {
             spheres.push([at(k % 3), at(k / 3 % 3), at(k / 9)], [0.0; 3], [0.0; 3], 1e7, 10.0);
         }
         spheres.push(position, velocity, [0.0; 3], 1e7, 10.0);
-        Aggregate { spheres, ids: (0..28).collect() }
+        Aggregate { spheres, ids: (0..28).collect(), contacts: ContactHistory::default() }
     }
 
     #[test]
@@ -195,7 +197,7 @@ mod tests {
         for k in 0..3 {
             spheres.push([1e4 * f64::from(k), 0.0, 0.0], [f64::from(k), 0.0, 0.0], [0.0; 3], 1e7, 10.0);
         }
-        let scattered = Aggregate { spheres, ids: (0..3).collect() };
+        let scattered = Aggregate { spheres, ids: (0..3).collect(), contacts: ContactHistory::default() };
         assert_eq!(departures(&scattered.spheres, &scattered).unwrap().breakup, Some(Breakup::Disrupted));
     }
 }

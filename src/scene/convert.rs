@@ -3,26 +3,85 @@
 use std::f64::consts::TAU;
 
 use super::{
-    Contact, GravityMethod, GravityOptions, Interpolation, MultipleScattering, Orbit, Rebound, Reflectance,
-    SelfHeating, SlideVelocity, Surface, TangentialYorp, TorqueOptions,
+    FrictionModel, GravityMethod, GravityOptions, HardSphereContact, Interpolation, MultipleScattering, Orbit, Rebound,
+    Reflectance, SelfHeating, SlideVelocity, SlidingCap, SoftSphereContact, Surface, TangentialDamping, TangentialYorp,
+    TorqueOptions,
 };
 
-impl Contact {
+impl HardSphereContact {
     /// Parameters of the hard-sphere engine, with `gravity`.
     pub fn to_pkd(&self, gravity: &GravityOptions) -> pkd::hard_sphere::HardSphereParameters {
-        let Self::HardSphere(contact) = self;
         pkd::hard_sphere::HardSphereParameters {
-            restitution_normal: contact.restitution_normal,
-            restitution_tangential: contact.restitution_tangential,
-            slide_limit: contact.slide_limit,
-            slide_velocity: match contact.slide_velocity {
+            restitution_normal: self.restitution_normal,
+            restitution_tangential: self.restitution_tangential,
+            slide_limit: self.slide_limit,
+            slide_velocity: match self.slide_velocity {
                 SlideVelocity::Centre => pkd::hard_sphere::SlideVelocity::Centre,
                 SlideVelocity::Surface => pkd::hard_sphere::SlideVelocity::Surface,
             },
-            collapse_limit: contact.collapse_limit,
-            step_s: contact.step_s,
-            max_collisions_per_sphere: contact.max_collisions_per_sphere,
+            collapse_limit: self.collapse_limit,
+            step_s: self.step_s,
+            max_collisions_per_sphere: self.max_collisions_per_sphere,
             gravity: Some(gravity.to_pkd()),
+        }
+    }
+}
+
+impl SoftSphereContact {
+    /// Parameters of the soft-sphere engine, with `gravity`.
+    pub fn to_pkd(&self, gravity: &GravityOptions) -> pkd::soft_sphere::SoftSphereParameters {
+        let preset = self.preset_parameters();
+        pkd::soft_sphere::SoftSphereParameters {
+            restitution: self.restitution_normal.unwrap_or(preset.restitution),
+            friction: self.friction_to_pkd(&preset.friction),
+            shape: self.shape_parameter,
+            cohesion_pa: self.cohesion_pa,
+            normal_stiffness_n_m: self.normal_stiffness_n_m,
+            expected_speed_m_s: self.expected_speed_m_s,
+            steps_per_contact: self.steps_per_contact,
+            step_s: self.step_s,
+            max_overlap: self.max_overlap_over_radius,
+            gravity: if self.field_tolerance > 0.0 {
+                pkd::soft_sphere::Gravity::BodyFrame { tolerance: self.field_tolerance }
+            } else {
+                pkd::soft_sphere::Gravity::EveryStep
+            },
+            gravity_options: gravity.to_pkd(),
+            skin: self.skin,
+            ledger: false,
+        }
+    }
+
+    fn friction_to_pkd(&self, preset: &pkd::soft_sphere::Friction) -> pkd::soft_sphere::Friction {
+        use pkd::soft_sphere::Friction;
+        let (mut sliding, [mut rolling, mut twisting]) = match preset {
+            Friction::None => (pkd::soft_sphere::Sliding::default(), [0.0; 2]),
+            Friction::Sliding(sliding) => (*sliding, [0.0; 2]),
+            Friction::RollingAndTwisting { sliding, rolling, twisting }
+            | Friction::Directional { sliding, rolling, twisting } => (*sliding, [*rolling, *twisting]),
+        };
+        for (value, given) in [
+            (&mut sliding.coefficient, self.sliding_friction),
+            (&mut sliding.restitution, self.restitution_tangential),
+            (&mut rolling, self.rolling_friction),
+            (&mut twisting, self.twisting_friction),
+        ] {
+            *value = given.unwrap_or(*value);
+        }
+        sliding.damping = match self.tangential_damping {
+            TangentialDamping::Pkdgrav => pkd::soft_sphere::TangentialDamping::Pkdgrav,
+            TangentialDamping::Exact => pkd::soft_sphere::TangentialDamping::Exact,
+        };
+        sliding.cap = match self.sliding_cap {
+            SlidingCap::Smaller => pkd::soft_sphere::SlidingCap::Smaller,
+            SlidingCap::Drop => pkd::soft_sphere::SlidingCap::Drop,
+            SlidingCap::Rescale => pkd::soft_sphere::SlidingCap::Rescale,
+        };
+        match self.friction() {
+            FrictionModel::None => Friction::None,
+            FrictionModel::Sliding => Friction::Sliding(sliding),
+            FrictionModel::RollingAndTwisting => Friction::RollingAndTwisting { sliding, rolling, twisting },
+            FrictionModel::Directional => Friction::Directional { sliding, rolling, twisting },
         }
     }
 }
@@ -140,19 +199,43 @@ impl Interpolation {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{HapkeReflectance, LambertReflectance};
+    use crate::scene::{HapkeReflectance, LambertReflectance, SoftSpherePreset};
 
     #[test]
     fn defaults_of_a_scene_are_the_defaults_of_the_crates() {
-        assert_eq!(
-            Contact::default().to_pkd(&GravityOptions::default()),
-            pkd::hard_sphere::HardSphereParameters::default()
-        );
+        let gravity = GravityOptions::default();
+        assert_eq!(HardSphereContact::default().to_pkd(&gravity), pkd::hard_sphere::HardSphereParameters::default());
+        use SoftSpherePreset::{Frictionless, GlassBeads, Gravel, Zhang2017};
+        use pkd::soft_sphere::SoftSphereParameters as Soft;
+        for (preset, expected) in [
+            (Zhang2017, Soft::zhang_2017()),
+            (Gravel, Soft::gravel()),
+            (GlassBeads, Soft::glass_beads()),
+            (Frictionless, Soft::frictionless()),
+        ] {
+            let contact = SoftSphereContact { preset, ..SoftSphereContact::default() };
+            assert_eq!(contact.to_pkd(&gravity), expected);
+        }
         assert_eq!(Surface::default().to_taco(), taco::Surface::default());
         assert_eq!(Orbit::default().to_taco(), taco::Orbit::default());
         assert_eq!(TorqueOptions::default().to_taco(), taco::Sampling::default());
         assert_eq!(Interpolation::default().to_taco(), taco::Interpolation::default());
         assert_eq!(Rebound::default().to_shed(&Orbit::default(), 0.1), crate::shed::TrackOptions::default());
+    }
+
+    #[test]
+    fn values_given_replace_those_of_the_preset() {
+        use pkd::soft_sphere::{Friction, Gravity};
+        let contact = SoftSphereContact {
+            preset: SoftSpherePreset::Gravel,
+            friction_model: Some(FrictionModel::Sliding),
+            sliding_friction: Some(0.3),
+            field_tolerance: 0.0,
+            ..SoftSphereContact::default()
+        };
+        let parameters = contact.to_pkd(&GravityOptions::default());
+        let Friction::Sliding(sliding) = parameters.friction else { panic!("{parameters:?}") };
+        assert_eq!((sliding.coefficient, sliding.restitution, parameters.gravity), (0.3, 0.55, Gravity::EveryStep));
     }
 
     #[test]

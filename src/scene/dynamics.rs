@@ -4,6 +4,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::soft_sphere::SoftSphereContact;
 use crate::shed::TrackOptions;
 
 /// Spin state at the beginning; the body turns about its axis of largest moment.
@@ -40,6 +41,8 @@ impl Spin {
 pub enum Contact {
     /// Impulses between hard spheres (Richardson et al. 2011, Icarus 212, 427).
     HardSphere(HardSphereContact),
+    /// Springs, dashpots and sliders between spheres that overlap a little.
+    SoftSphere(SoftSphereContact),
 }
 
 impl Default for Contact {

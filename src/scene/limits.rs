@@ -5,7 +5,7 @@
 
 use serde_json::Value;
 
-use super::{Body, Scene};
+use super::{Body, Contact, Scene};
 
 /// A value that a scene may not hold.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,26 +33,33 @@ pub(super) struct Limit {
     pub below: bool,
     /// What else there is to say, or empty.
     pub note: &'static str,
+    /// Whether it may be null.
+    pub optional: bool,
 }
 
 /// `low` to `high`, both allowed.
 const fn closed(path: &'static str, low: f64, high: f64) -> Limit {
-    Limit { path, low, above: false, high, below: false, note: "" }
+    Limit { path, low, above: false, high, below: false, note: "", optional: false }
 }
 
 /// Above `low`, at most `high`.
 const fn above(path: &'static str, low: f64, high: f64) -> Limit {
-    Limit { path, low, above: true, high, below: false, note: "" }
+    Limit { path, low, above: true, high, below: false, note: "", optional: false }
 }
 
 /// At least `low`, below `high`.
 const fn below(path: &'static str, low: f64, high: f64) -> Limit {
-    Limit { path, low, above: false, high, below: true, note: "" }
+    Limit { path, low, above: false, high, below: true, note: "", optional: false }
 }
 
 impl Limit {
     const fn note(mut self, note: &'static str) -> Self {
         self.note = note;
+        self
+    }
+
+    const fn or_null(mut self) -> Self {
+        self.optional = true;
         self
     }
 
@@ -72,7 +79,10 @@ impl std::fmt::Display for Limit {
             let high = if self.below { "below" } else { "at most" };
             write!(f, "{low} {}, {high} {}", self.low, self.high)?;
         }
-        if self.note.is_empty() { Ok(()) } else { write!(f, " ({})", self.note) }
+        if !self.note.is_empty() {
+            write!(f, " ({})", self.note)?;
+        }
+        if self.optional { write!(f, ", or null") } else { Ok(()) }
     }
 }
 
@@ -96,6 +106,20 @@ pub(super) const LIMITS: &[Limit] = &[
     closed("contact.hard_sphere.collapse_limit", 0.0, 0.1),
     closed("contact.hard_sphere.step_s", 0.01, 1000.0),
     closed("contact.hard_sphere.max_collisions_per_sphere", 1.0, 1e6),
+    closed("contact.soft_sphere.restitution_normal", 0.0, 1.0).or_null(),
+    closed("contact.soft_sphere.sliding_friction", 0.0, 100.0).or_null(),
+    closed("contact.soft_sphere.rolling_friction", 0.0, 100.0).or_null(),
+    closed("contact.soft_sphere.twisting_friction", 0.0, 100.0).or_null(),
+    closed("contact.soft_sphere.restitution_tangential", 0.0, 1.0).or_null(),
+    above("contact.soft_sphere.shape_parameter", 0.0, 1.0),
+    closed("contact.soft_sphere.cohesion_pa", 0.0, 1e9),
+    above("contact.soft_sphere.normal_stiffness_n_m", 0.0, 1e15).or_null(),
+    above("contact.soft_sphere.expected_speed_m_s", 0.0, 1000.0).or_null(),
+    closed("contact.soft_sphere.steps_per_contact", pkd::soft_sphere::FEWEST_STEPS_PER_CONTACT, 10_000.0),
+    above("contact.soft_sphere.step_s", 0.0, 1000.0).or_null(),
+    above("contact.soft_sphere.max_overlap_over_radius", 0.0, 0.5),
+    closed("contact.soft_sphere.field_tolerance", 0.0, 0.1),
+    closed("contact.soft_sphere.skin", 1e-4, 1.0),
     above("gravity.force_error", 0.0, 0.1),
     closed("settling.rotations", 1.0, 1000.0),
     closed("settling.max_rotations", 1.0, 10_000.0).note("and not below settling.rotations"),
@@ -126,7 +150,7 @@ pub(super) const LIMITS: &[Limit] = &[
     closed("evolution.rk4_step_yr", 1.0, 1e6),
     closed("evolution.movement_radius_fraction", 1e-3, 10.0),
     above("evolution.moved_fraction_limit", 0.0, 1.0),
-    above("evolution.stop_period_h", 0.0, 1e6).note("and above spin.period_h, or null"),
+    above("evolution.stop_period_h", 0.0, 1e6).note("and above spin.period_h").or_null(),
     above("shed.track.rebound.t_max_days", 0.0, 1e5),
     closed("shed.track.rebound.ias15_tolerance", 1e-16, 1e-3),
     closed("shed.track.rebound.multipole_error", 1e-15, 0.1),
@@ -150,11 +174,10 @@ pub(super) fn first_violation(scene: &Scene) -> Option<Violation> {
 /// The value at the limit's path, if there is one and it is outside.
 fn outside(tree: &Value, limit: &Limit) -> Option<Violation> {
     let value = limit.path.split('.').try_fold(tree, |node, key| node.get(key))?;
-    let optional = limit.path == "evolution.stop_period_h";
     let refused = match value.as_f64() {
         Some(number) => !limit.admits(number),
         // A NaN or infinity in a scene made by a program is null in JSON.
-        None => !(optional && value.is_null()),
+        None => !(limit.optional && value.is_null()),
     };
     refused.then(|| Violation { path: limit.path.to_owned(), found: value.to_string(), allowed: limit.to_string() })
 }
@@ -177,6 +200,12 @@ fn inconsistent(scene: &Scene) -> Option<Violation> {
             return violation("body.carved_mesh.path", "\"\"".into(), FILE.into());
         }
         _ => {}
+    }
+    if let Contact::SoftSphere(contact) = &scene.contact
+        && let Some((key, found, allowed)) = contact.inconsistency()
+    {
+        let found = found.map_or("null".to_owned(), |value| value.to_string());
+        return violation(&format!("contact.soft_sphere.{key}"), found, allowed);
     }
     let settling = &scene.settling;
     if settling.max_rotations < settling.rotations {

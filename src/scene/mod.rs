@@ -16,6 +16,7 @@ mod position;
 mod radiation;
 mod read;
 mod schema;
+mod soft_sphere;
 
 use serde::{Deserialize, Serialize};
 
@@ -33,6 +34,7 @@ pub use radiation::{
 };
 pub use read::{MAX_SCENE_BYTES, SceneFile};
 pub use schema::json_schema;
+pub use soft_sphere::{FrictionModel, SlidingCap, SoftSphereContact, SoftSpherePreset, TangentialDamping};
 
 /// The version of the scene format that this build reads.
 pub const FORMAT: u32 = 1;

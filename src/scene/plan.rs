@@ -5,9 +5,11 @@
 
 use serde::Serialize;
 
+use pkd::soft_sphere::Friction;
+
 use super::{
-    Body, Contact, GravityMethod, Interpolation, MovementRule, Packing, Reflectance, Scene, SelfHeating,
-    TangentialYorp, Track,
+    Body, Contact, FrictionModel, GravityMethod, HardSphereContact, Interpolation, MovementRule, Packing, Reflectance,
+    Scene, SelfHeating, SoftSphereContact, TangentialYorp, Track,
 };
 
 /// What a scene will run.
@@ -67,33 +69,12 @@ fn gravity(scene: &Scene) -> Part {
 impl Plan {
     /// The plan of `scene`.
     pub fn of(scene: &Scene) -> Self {
-        let Contact::HardSphere(contact) = &scene.contact;
         let mut parts = vec![body(&scene.body)];
         parts.push(gravity(scene));
-        parts.push(on(
-            "contacts",
-            format!("hard spheres, events within steps of {} s", contact.step_s),
-            "contact.hard_sphere",
-        ));
-        parts.push(if contact.restitution_tangential == 1.0 {
-            off("sphere spins", "restitution_tangential = 1: without friction nothing changes them")
-        } else {
-            on("sphere spins", "carried through every impact", "restitution_tangential is not 1")
-        });
-        parts.push(if contact.slide_limit == 0.0 {
-            off("slide limit", "slide_limit = 0")
-        } else {
-            on("slide limit", format!("below {} of the escape speed", contact.slide_limit), "lets slow contacts slide")
-        });
-        parts.push(if contact.collapse_limit == 0.0 {
-            off("collapse limit", "collapse_limit = 0; max_collisions_per_sphere still ends bouncing")
-        } else {
-            on(
-                "collapse limit",
-                format!("below {} of the radius", contact.collapse_limit),
-                "ends bouncing that would never end",
-            )
-        });
+        match &scene.contact {
+            Contact::HardSphere(contact) => hard_spheres(contact, &mut parts),
+            Contact::SoftSphere(contact) => soft_spheres(contact, &mut parts),
+        }
         parts.push(on(
             "settling",
             format!("blocks of {} rotations, at most {}", scene.settling.rotations, scene.settling.max_rotations),
@@ -127,6 +108,88 @@ fn body(body: &Body) -> Part {
             on("body", format!("{arrangement} packing of spheres of {radius} m"), format!("carved by {}", mesh.path))
         }
     }
+}
+
+fn hard_spheres(contact: &HardSphereContact, parts: &mut Vec<Part>) {
+    parts.push(on(
+        "contacts",
+        format!("hard spheres, events within steps of {} s", contact.step_s),
+        "contact.hard_sphere",
+    ));
+    parts.push(if contact.restitution_tangential == 1.0 {
+        off("sphere spins", "restitution_tangential = 1: without friction nothing changes them")
+    } else {
+        on("sphere spins", "carried through every impact", "restitution_tangential is not 1")
+    });
+    parts.push(if contact.slide_limit == 0.0 {
+        off("slide limit", "slide_limit = 0")
+    } else {
+        on("slide limit", format!("below {} of the escape speed", contact.slide_limit), "lets slow contacts slide")
+    });
+    parts.push(if contact.collapse_limit == 0.0 {
+        off("collapse limit", "collapse_limit = 0; max_collisions_per_sphere still ends bouncing")
+    } else {
+        on(
+            "collapse limit",
+            format!("below {} of the radius", contact.collapse_limit),
+            "ends bouncing that would never end",
+        )
+    });
+}
+
+fn soft_spheres(contact: &SoftSphereContact, parts: &mut Vec<Part>) {
+    let model = contact.friction();
+    let key = "contact.soft_sphere.friction_model";
+    let without = format!("friction_model is {}", model.name());
+    parts.push(if contact.field_tolerance > 0.0 {
+        on(
+            "gravity between steps",
+            format!("turns with the body until a sphere has moved by {} of its radius", contact.field_tolerance),
+            "contact.soft_sphere.field_tolerance",
+        )
+    } else {
+        off("gravity between steps", "field_tolerance = 0: gravity is evaluated in every step")
+    });
+    let steps = match contact.step_s {
+        Some(step) => format!("steps of {step} s"),
+        None => format!("{} steps in the quickest contact", contact.steps_per_contact),
+    };
+    parts.push(on("contacts", format!("soft spheres, {steps}"), format!("preset {}", contact.preset.name())));
+    parts.push(match contact.normal_stiffness_n_m {
+        Some(stiffness) => on("stiffness", format!("{stiffness} N/m"), "contact.soft_sphere.normal_stiffness_n_m"),
+        None => on("stiffness", "from the body, once", "overlaps of at most 1 % in impacts, under weight and cohesion"),
+    });
+    let contacts = contact.to_pkd(&Default::default());
+    if let Some(sliding) = contacts.friction.sliding() {
+        parts.push(on("sphere spins", "carried through every contact", key));
+        parts.push(on("sliding friction", format!("spring, dashpot, slider, mu_S = {}", sliding.coefficient), key));
+    } else {
+        parts.push(off("sphere spins", "without friction nothing changes them"));
+        parts.push(off("sliding friction", without.clone()));
+    }
+    parts.push(match contacts.friction {
+        Friction::RollingAndTwisting { rolling, twisting, .. } => on(
+            "rolling and twisting friction",
+            format!("springs, dashpots, sliders, mu_R = {rolling}, mu_T = {twisting}"),
+            key,
+        ),
+        Friction::Directional { rolling, twisting, .. } => on(
+            "rolling and twisting friction",
+            format!("torques of constant size, mu_R = {rolling}, mu_T = {twisting}"),
+            key,
+        ),
+        Friction::None | Friction::Sliding(_) => off("rolling and twisting friction", without.clone()),
+    });
+    parts.push(if model == FrictionModel::None {
+        off("contact history", without)
+    } else {
+        on("contact history", "springs of every contact, stored with the spheres", "friction remembers")
+    });
+    parts.push(if contact.cohesion_pa > 0.0 {
+        on("cohesion", format!("{} Pa between spheres", contact.cohesion_pa), "contact.soft_sphere.cohesion_pa")
+    } else {
+        off("cohesion", "cohesion_pa = 0")
+    });
 }
 
 /// What sunlight does.
@@ -284,7 +347,7 @@ fn evolution(scene: &Scene, parts: &mut Vec<Part>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{FileBody, HapkeReflectance};
+    use crate::scene::{FileBody, HapkeReflectance, SoftSpherePreset};
 
     fn part(scene: &Scene, name: &str) -> Part {
         Plan::of(scene).parts.into_iter().find(|part| part.name == name).unwrap()
@@ -294,9 +357,31 @@ mod tests {
     fn frictionless_spheres_carry_no_spin() {
         let mut scene = Scene::from_body(Body::File(FileBody { path: "a.csv".into() }));
         assert!(part(&scene, "sphere spins").on);
-        let Contact::HardSphere(contact) = &mut scene.contact;
-        contact.restitution_tangential = 1.0;
+        scene.contact =
+            Contact::HardSphere(HardSphereContact { restitution_tangential: 1.0, ..HardSphereContact::default() });
         assert!(!part(&scene, "sphere spins").on);
+    }
+
+    #[test]
+    fn soft_spheres_leave_out_what_their_contacts_do_not_have() {
+        let mut scene = Scene::from_body(Body::File(FileBody { path: "a.csv".into() }));
+        let soft = |preset, cohesion_pa, field_tolerance| {
+            let other = SoftSphereContact::default();
+            Contact::SoftSphere(SoftSphereContact { preset, cohesion_pa, field_tolerance, ..other })
+        };
+        let names = [
+            "sphere spins",
+            "sliding friction",
+            "rolling and twisting friction",
+            "contact history",
+            "cohesion",
+            "gravity between steps",
+        ];
+        scene.contact = soft(SoftSpherePreset::Frictionless, 0.0, 0.0);
+        assert!(names.iter().all(|name| !part(&scene, name).on));
+        scene.contact = soft(SoftSpherePreset::Gravel, 100.0, 0.01);
+        assert!(names.iter().all(|name| part(&scene, name).on));
+        assert!(Plan::of(&scene).parts.iter().all(|part| part.name != "slide limit"));
     }
 
     #[test]

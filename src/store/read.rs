@@ -1,5 +1,6 @@
 //! What a resumed run and its summary read back.
 
+use pkd::soft_sphere::{Contact, ContactHistory};
 use rusqlite::Row;
 
 use super::blob::{blob_to_f64, blob_to_points, blob_to_u32};
@@ -52,10 +53,14 @@ impl RunReader {
     /// The database cannot be read or is damaged.
     pub fn state(&self) -> Result<Option<State>, StoreError> {
         type Columns = (String, Option<String>, u32, u32, i64, u32, f64, f64, f64, Vec<u8>, Vec<u8>);
+        type Contacts = (Option<f64>, Option<Vec<u8>>, Option<Vec<u8>>);
         let row = self.query(
             "SELECT stage, outcome, blocks, leg, configuration, refinement, t_s, omega, obliquity, spheres, sphere_ids FROM state",
             |row| Columns::try_from(row),
         )?;
+        let contacts = self
+            .query("SELECT normal_stiffness_n_m, contact_rows, contacts FROM state", |row| Contacts::try_from(row))?;
+        let (normal_stiffness_n_m, rows, memory) = contacts.unwrap_or_default();
         let Some((stage, outcome, blocks, leg, configuration, refinement, t_s, omega, obliquity, spheres, ids)) = row
         else {
             return Ok(None);
@@ -83,9 +88,24 @@ impl RunReader {
             t_s,
             omega,
             obliquity,
+            contacts: self.contacts(&rows.unwrap_or_default(), &memory.unwrap_or_default(), sphere_ids.len())?,
+            normal_stiffness_n_m,
             spheres: body,
             sphere_ids,
         }))
+    }
+
+    /// What the contacts of `spheres` spheres remember.
+    fn contacts(&self, rows: &[u8], memory: &[u8], spheres: usize) -> Result<ContactHistory, StoreError> {
+        let decoded = || {
+            let (rows, memory) = (blob_to_u32(rows)?, blob_to_f64(memory)?);
+            let ((rows, no_row), (memory, no_memory)) = (rows.as_chunks::<2>(), memory.as_chunks::<8>());
+            let fits = no_row.is_empty() && no_memory.is_empty() && rows.len() == memory.len();
+            let fits = fits && rows.iter().flatten().all(|row| (*row as usize) < spheres);
+            let contacts = rows.iter().zip(memory).map(|(rows, memory)| Contact::from_memory(*rows, *memory));
+            if fits { ContactHistory::new(contacts.collect()).ok() } else { None }
+        };
+        decoded().ok_or_else(|| self.damaged("state.contacts"))
     }
 
     /// What all tilings of the run share; `None` before object 0.

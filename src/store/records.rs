@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 
 use pkd::Spheres;
+use pkd::soft_sphere::ContactHistory;
 
 /// How far a run has come.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -94,6 +95,10 @@ pub struct State {
     pub spheres: Spheres,
     /// Row of each sphere in table `sphere`, ascending.
     pub sphere_ids: Vec<u32>,
+    /// Normal stiffness of soft contacts, N/m, found at the start of the run; `None` for hard spheres.
+    pub normal_stiffness_n_m: Option<f64>,
+    /// What soft contacts remember.
+    pub contacts: ContactHistory,
 }
 
 /// Work and conservation counters of a stretch of dynamics.

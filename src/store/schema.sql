@@ -20,7 +20,11 @@ CREATE TABLE state (
     omega         REAL NOT NULL,     -- spin rate, rad/s
     obliquity     REAL NOT NULL,     -- rad
     spheres       BLOB NOT NULL,     -- f64, 11 columns of N: x y z vx vy vz wx wy wz mass radius, inertial frame
-    sphere_ids    BLOB NOT NULL      -- u32, N: row of each sphere in table sphere
+    sphere_ids    BLOB NOT NULL,     -- u32, N: row of each sphere in table sphere
+    normal_stiffness_n_m REAL,       -- of soft contacts, found at the start of the run; null for hard spheres
+    contact_rows  BLOB,              -- u32, C x 2: rows of `spheres` that touch; null for hard spheres, as the next
+    contacts      BLOB               -- f64, C x 8: what each contact remembers: sliding spring (3), m; rolling spring (3),
+                                     -- rad; twisting spring, rad; age, s; inertial frame, of the second against the first
 ) STRICT;
 
 CREATE TABLE sphere (

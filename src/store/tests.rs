@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::scene::{Body, FileBody, Scene};
+use pkd::soft_sphere::{Contact, ContactHistory};
 
 fn scene() -> Scene {
     Scene::from_body(Body::File(FileBody { path: "a.csv".into() }))
@@ -25,6 +26,8 @@ fn state(n: usize) -> State {
         obliquity: 0.1,
         spheres,
         sphere_ids: (0..n as u32).collect(),
+        normal_stiffness_n_m: None,
+        contacts: ContactHistory::default(),
     }
 }
 
@@ -83,6 +86,23 @@ fn what_is_stored_comes_back_bit_for_bit() {
     assert_eq!(read.spheres.vz[0].to_bits(), (-0.0_f64).to_bits());
     assert_eq!(store.latest_configuration().unwrap(), Some(object_0));
     assert_eq!(store.tiling().unwrap(), Some(tiling));
+}
+
+#[test]
+fn memory_of_soft_contacts_comes_back_bit_for_bit_and_only_where_it_fits() {
+    let folder = tempfile::tempdir().unwrap();
+    let contact = |first, second| Contact::from_memory([first, second], [0.1, -0.0, 1e-300, 4.0, 5.0, 6.0, 7.0, 8.0]);
+    let contacts = ContactHistory::new(vec![contact(0, 2), contact(1, 2)]).unwrap();
+    let written = State { normal_stiffness_n_m: Some(2.6e7), contacts, ..state(3) };
+    let (mut store, _) = RunStore::open(folder.path(), &scene(), false).unwrap();
+    store.save_built(&written, &Ledger::default()).unwrap();
+    let read = store.state().unwrap().unwrap();
+    assert_eq!(read, written);
+    assert_eq!(read.contacts.contacts()[1].sliding_m[1].to_bits(), (-0.0_f64).to_bits());
+    for damage in ["contacts = zeroblob(64)", "contact_rows = X'0000000003000000', contacts = zeroblob(64)"] {
+        store.connection.execute(&format!("UPDATE state SET {damage}"), []).unwrap();
+        assert!(matches!(store.state(), Err(StoreError::Damaged { .. })), "{damage}");
+    }
 }
 
 #[test]

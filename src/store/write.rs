@@ -1,5 +1,6 @@
 //! The transactions of a run: built, settling block, object 0, leg, ending.
 
+use pkd::soft_sphere::Contact;
 use rusqlite::{Transaction, named_params, params};
 
 use super::blob::{f64_to_blob, points_to_blob, u32_to_blob};
@@ -148,9 +149,11 @@ impl RunStore {
 }
 
 fn write_state(tx: &Transaction, state: &State) -> rusqlite::Result<()> {
+    let (soft, contacts) = (state.normal_stiffness_n_m.is_some(), state.contacts.contacts());
     tx.execute(
         "INSERT OR REPLACE INTO state VALUES \
-         (1, :stage, :outcome, :blocks, :leg, :configuration, :refinement, :t_s, :omega, :obliquity, :spheres, :ids)",
+         (1, :stage, :outcome, :blocks, :leg, :configuration, :refinement, :t_s, :omega, :obliquity, :spheres, :ids, \
+         :stiffness, :rows, :contacts)",
         named_params! {
             ":stage": state.stage.name(),
             ":outcome": state.outcome.map(Outcome::name),
@@ -163,6 +166,9 @@ fn write_state(tx: &Transaction, state: &State) -> rusqlite::Result<()> {
             ":obliquity": state.obliquity,
             ":spheres": f64_to_blob(state.spheres.columns().into_iter().flatten().copied()),
             ":ids": u32_to_blob(state.sphere_ids.iter().copied()),
+            ":stiffness": state.normal_stiffness_n_m,
+            ":rows": soft.then(|| u32_to_blob(contacts.iter().flat_map(|c| [c.first, c.second]))),
+            ":contacts": soft.then(|| f64_to_blob(contacts.iter().flat_map(Contact::memory))),
         },
     )?;
     Ok(())

@@ -181,6 +181,8 @@ fn state(positions: &[[f64; 3]]) -> State {
         obliquity: 0.1,
         spheres,
         sphere_ids: (0..positions.len() as u32).collect(),
+        normal_stiffness_n_m: None,
+        contacts: pkd::soft_sphere::ContactHistory::default(),
     }
 }
 

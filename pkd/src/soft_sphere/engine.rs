@@ -111,11 +111,14 @@ impl<'a> Engine<'a> {
         Ok(engine)
     }
 
-    /// Takes `steps` steps of `step` (s).
-    pub fn run(&mut self, steps: u64, step: f64) -> Result<(), PkdError> {
+    /// Takes `steps` steps of `step` (s), and asks before each whether to `go_on`.
+    pub fn run(&mut self, steps: u64, step: f64, go_on: &mut dyn FnMut() -> bool) -> Result<(), PkdError> {
         // Velocities live in the middle of steps.
         self.kick(-0.5 * step);
         for taken in 1..=steps {
+            if !go_on() {
+                return Err(PkdError::Stopped);
+            }
             let frames = self.frames(step);
             self.time = taken as f64 * step;
             let moved = self.advance(step, &frames);

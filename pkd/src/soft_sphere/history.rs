@@ -34,11 +34,17 @@ impl Contact {
         }
     }
 
+    /// The contact of two rows that remembers this, see [`Self::memory`].
+    pub fn from_memory([first, second]: [u32; 2], [a, b, c, d, e, f, twisting_rad, age_s]: [f64; 8]) -> Self {
+        Self { first, second, sliding_m: [a, b, c], rolling_rad: [d, e, f], twisting_rad, age_s }
+    }
+
     pub(super) fn is_blank(&self) -> bool {
         self.memory().iter().all(|v| *v == 0.0)
     }
 
-    fn memory(&self) -> [f64; 8] {
+    /// All that is remembered, in the order of the fields.
+    pub fn memory(&self) -> [f64; 8] {
         let ([a, b, c], [d, e, f]) = (self.sliding_m, self.rolling_rad);
         [a, b, c, d, e, f, self.twisting_rad, self.age_s]
     }
@@ -115,6 +121,13 @@ impl ContactHistory {
         Self { contacts }
     }
 
+    /// The history of the same spheres in other rows, among others or not: `row` gives the new row of each old one, and
+    /// keeps their order.
+    pub fn renumbered(&self, row: impl Fn(u32) -> u32) -> Self {
+        let contacts = self.contacts.iter().map(|c| Contact { first: row(c.first), second: row(c.second), ..*c });
+        Self { contacts: contacts.collect() }
+    }
+
     /// # Errors
     /// [`PkdError::BadContact`] for a row that is not among `spheres` rows.
     pub(super) fn fits(&self, spheres: usize) -> Result<(), PkdError> {
@@ -163,5 +176,7 @@ mod tests {
         let left = history.filtered(&[true, false, true, true]);
         let rows: Vec<_> = left.contacts().iter().map(|c| (c.first, c.second)).collect();
         assert_eq!(rows, [(0, 1), (1, 2)]);
+        let back = left.renumbered(|row| [0, 2, 3][row as usize]);
+        assert_eq!(back.contacts(), [history.contacts()[0], history.contacts()[2]]);
     }
 }

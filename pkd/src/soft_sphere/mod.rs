@@ -78,6 +78,11 @@ impl SoftSphere {
         &mut self.history
     }
 
+    /// Takes what the contacts remember out of the integrator, which is left without.
+    pub fn take_history(&mut self) -> ContactHistory {
+        std::mem::take(&mut self.history)
+    }
+
     /// Goes on with this history: that of a stored run, or an empty one for another body.
     pub fn set_history(&mut self, history: ContactHistory) {
         self.history = history;
@@ -106,10 +111,29 @@ impl SoftSphere {
     ///
     /// After an error spheres and history are what they were.
     pub fn evolve(&mut self, spheres: &mut Spheres, duration_s: f64) -> Result<Report, PkdError> {
-        self.evolve_on(Processor::present(), spheres, duration_s)
+        self.evolve_while(spheres, duration_s, &mut || true)
     }
 
-    fn evolve_on(&mut self, processor: Processor, spheres: &mut Spheres, duration_s: f64) -> Result<Report, PkdError> {
+    /// As [`Self::evolve`], and asks before each step whether to `go_on`.
+    ///
+    /// # Errors
+    /// As [`Self::evolve`], and [`PkdError::Stopped`] if the answer was no.
+    pub fn evolve_while(
+        &mut self,
+        spheres: &mut Spheres,
+        duration_s: f64,
+        go_on: &mut dyn FnMut() -> bool,
+    ) -> Result<Report, PkdError> {
+        self.evolve_on(Processor::present(), spheres, duration_s, go_on)
+    }
+
+    fn evolve_on(
+        &mut self,
+        processor: Processor,
+        spheres: &mut Spheres,
+        duration_s: f64,
+        go_on: &mut dyn FnMut() -> bool,
+    ) -> Result<Report, PkdError> {
         let stiffness = self.stiffness(spheres)?;
         if !(duration_s >= 0.0 && duration_s.is_finite()) {
             return Err(PkdError::BadParameter { name: "duration_s", value: duration_s, allowed: "0 or more" });
@@ -126,7 +150,7 @@ impl SoftSphere {
         if let Some(start) = &mut start {
             start.add_springs(&engine.springs().1);
         }
-        engine.run(steps as u64, step_s)?;
+        engine.run(steps as u64, step_s, go_on)?;
         engine.finite()?;
         let history = engine.finish(spheres);
         let (contacts, springs) = engine.springs();

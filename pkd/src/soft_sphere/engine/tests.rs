@@ -229,7 +229,7 @@ fn plain_kernels_give_the_bytes_of_the_vector_ones() {
                 }
                 let on = |processor| {
                     let (mut spheres, mut soft) = (start.clone(), SoftSphere::new(parameters.clone()));
-                    let report = soft.evolve_on(processor, &mut spheres, 4.0).unwrap();
+                    let report = soft.evolve_on(processor, &mut spheres, 4.0, &mut || true).unwrap();
                     (spheres, soft.history, report)
                 };
                 let plain = on(Processor::Any);
