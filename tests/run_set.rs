@@ -100,6 +100,10 @@ fn a_set_killed_and_resumed_at_random_gives_the_same_databases_and_tables() {
     // The page needs the small tables only, and the same runs give the same numbers but for their cost.
     let page = succeeded(&set.script("killed", &["digest"]).output().unwrap());
     assert!(page.contains("| *paper* | *2.4* | *9.1* |"), "{page}");
+    // Counted from the paper's tables as typed in, and stated in its section 3.1.
+    for stated in ["| 9 of 16 |", "| 11 of 16 |", "| 11, 5, 3, 4, 1 |", "| 11, 5, 2, 2, 1 |"] {
+        assert!(page.contains(stated), "{stated} is not in {page}");
+    }
     std::fs::remove_dir_all(&killed).unwrap();
     assert_eq!(succeeded(&set.script("killed", &["page"]).output().unwrap()), page);
 }

@@ -178,7 +178,11 @@ def existing(options):
 def list_runs(options):
     print(f"{'run':<24}{'stage':<10}{'Myr':>9}{'legs':>7}{'moved':>7}{'lost':>6}{'CPU h':>8}{'h/Myr':>8}  outcome")
     for run in existing(options):
-        s = run.status()
+        try:
+            s = run.status()
+        except sqlite3.Error as error:
+            print(f"{run.name:<24}{error}")
+            continue
         if s is None:
             continue
         rate = f"{s['cpu'] / 3600 / s['myr']:.2f}" if s["myr"] > 0 else "-"
@@ -219,11 +223,16 @@ class Scheduler:
                 if run in self.working or self.retry_at.get(run, 0) > time.time():
                     waiting = True
                     continue
-                status = run.status() or {"myr": 0.0, "stage": "new"}
+                try:
+                    status = run.status() or {"myr": 0.0, "stage": "new"}
+                except sqlite3.Error as error:
+                    print(f"{run.name} cannot be read now: {error}", file=sys.stderr, flush=True)
+                    self.retry_at[run] = time.time() + 10
+                    continue
                 if status["stage"] != "finished" and status["myr"] < goal * (1 - 1e-12):
                     ready.append((status["myr"] / goal, run.name, run, status["myr"], goal))
             if not ready:
-                return None if waiting else False
+                return None if waiting or any(t > time.time() for t in self.retry_at.values()) else False
             _, _, run, myr, goal = min(ready, key=lambda r: r[:2])
             self.working.add(run)
             step = self.options.step_myr
@@ -370,7 +379,7 @@ def digest(options):
     for session in sessions(options):
         commits[session["run"]].add(session["commit"])
     for run in existing(options):
-        if run.status() is None or (options.names and run.name not in options.names):
+        if options.names and run.name not in options.names:
             continue
         command = [str(options.yorp), "classify", str(run.directory), "--json"]
         answer = subprocess.run(command, stdout=subprocess.PIPE)
@@ -573,6 +582,7 @@ ITEMS = [
     "movements a Myr",
     "spheres in a movement: median, mean",
     "interval between movements, kyr: quartiles",
+    "spin changes, rev/day/Myr: first third of a run, last third",
     "intervals that go on in spin (P+)",
     "intervals that go on in obliquity (P+)",
     "movement in the inner half, %: range over bodies, mean",
@@ -589,7 +599,7 @@ def paper_values(names):
     rows = [TABLE_2[name] for name in names]
     count = lambda types: ", ".join(str(sum(kind in t for t in types)) for kind in KINDS)
     of = lambda condition: f"{sum(map(condition, rows))} of {len(rows)}"
-    text = ["5.2 to 6.3, 5.6", "0.1 to 2.0", "all", "-", "-", "a few 10", "slightly over half", "slightly over half", "25 to 40", "15 to 25", "13 of 16", "5 of 5", "5 of 5"]
+    text = ["5.2 to 6.3, 5.6", "0.1 to 2.0", "all", "-", "-", "a few 10", "-", "slightly over half", "slightly over half", "25 to 40", "15 to 25", "13 of 16", "5 of 5", "5 of 5"]
     return [
         f"{len(rows)}, {statistics.mean(r[8] for r in rows):.2f}",
         of(lambda r: r[5] > 6.6),
@@ -656,6 +666,7 @@ def item_values(runs, intervals, losses):
         f"{sum(r['movements']['count'] for r in runs) / sum(r['t_myr'] for r in runs):.0f}",
         sizes(runs),
         quartiles,
+        thirds(runs, intervals),
         persistence("alpha_s_rev_day_myr"),
         persistence("zeta_s_deg_myr"),
         depth("inner_half"),
@@ -673,6 +684,20 @@ def sizes(runs):
         return "-"
     mean = sum(r["movements"]["spheres_moved"] for r in runs) / sum(r["movements"]["count"] for r in runs)
     return f"{min(medians):.0f} to {max(medians):.0f}, {mean:.0f}"
+
+
+def thirds(runs, intervals):
+    """How fast the spin changes, up or down, at first and in the end: a stagnating body slows down. Mean over bodies."""
+    rates = []
+    for r in runs:
+        third = r["t_myr"] / 3
+        mine = [i for i in intervals if i["run"] == r["run"]]
+        for k in (0, 2):
+            part = [i for i in mine if k * third <= i["from_myr"] + i["length_myr"] / 2 < (k + 1) * third]
+            length = sum(i["length_myr"] for i in part)
+            rates.append(sum(abs(i["spin1_rev_day"] - i["spin0_rev_day"]) for i in part) / length if length else None)
+    mean = lambda values: f"{statistics.mean(values):.2f}" if values else "-"
+    return ", ".join(mean([v for v in rates[k::2] if v is not None]) for k in (0, 1))
 
 
 def bodies_part(runs):

@@ -4,7 +4,7 @@
 //! potential before a movement; the rank over their number is the mass fraction enclosed with them.
 
 use super::distribution::Distribution;
-use crate::store::MovementRecord;
+use crate::store::{LegRecord, MovementRecord};
 
 /// Bins of the histogram over the enclosed mass fraction.
 const BINS: usize = 20;
@@ -32,11 +32,15 @@ pub struct Movements {
     pub outer_tenth: Option<f64>,
     /// Moved spheres in equal bins of the enclosed mass fraction, centre to surface.
     pub by_enclosed_mass: Vec<usize>,
+    /// Hand-offs that were taken back because more than the scene's limit moved.
+    pub taken_back: usize,
+    /// Hand-offs with movement in which the paper's literal rule flags another number of spheres than the robust one.
+    pub rules_differ: usize,
 }
 
 impl Movements {
-    /// Of each movement's spheres; `radius_m` of a sphere by its number.
-    pub fn of(movements: &[Vec<MovementRecord>], radius_m: &[f64]) -> Self {
+    /// Of each movement's spheres and all legs; `radius_m` of a sphere by its number.
+    pub fn of(movements: &[Vec<MovementRecord>], radius_m: &[f64], legs: &[LegRecord]) -> Self {
         let moved = || movements.iter().flatten();
         let mut by_enclosed_mass = vec![0; BINS];
         for movement in moved() {
@@ -56,6 +60,8 @@ impl Movements {
             inner_half: share(&|depth| depth <= INNER + SLACK),
             outer_tenth: share(&|depth| depth > OUTER + SLACK),
             by_enclosed_mass,
+            taken_back: legs.iter().filter(|leg| leg.result == "backtracked").count(),
+            rules_differ: legs.iter().filter(|leg| leg.moved[1] != leg.moved[2]).count(),
         }
     }
 }
@@ -72,7 +78,7 @@ mod tests {
             displacement_m: 20.0,
             enclosed_mass_fraction: f64::from(rank) / 10.0,
         });
-        let found = Movements::of(&[all.collect()], &[40.0; 10]);
+        let found = Movements::of(&[all.collect()], &[40.0; 10], &[]);
         assert_eq!((found.count, found.spheres_moved), (1, 10));
         assert_eq!((found.inner_half, found.outer_tenth), (Some(0.5), Some(0.1)));
         assert_eq!(found.displacement_radii.median, Some(0.5));
@@ -82,7 +88,7 @@ mod tests {
 
     #[test]
     fn without_movements_there_are_no_shares() {
-        let found = Movements::of(&[], &[]);
+        let found = Movements::of(&[], &[], &[]);
         assert_eq!((found.count, found.inner_half, found.outer_tenth), (0, None, None));
     }
 }
