@@ -3,7 +3,7 @@
 
 // Viridis, nine stops: equal steps look equal, to colour-blind eyes too.
 const RAMP = ["#440154", "#472d7b", "#3b528b", "#2c728e", "#21918c", "#28ae80", "#5ec962", "#addc30", "#fde725"];
-const FATES = { escape: "#e8590c", reimpact: "#9c36b5", bound: "#1c7ed6", merged: "#2b8a3e", "": "#868e96" };
+const FATES = { escape: "#d6336c", reimpact: "#9c36b5", bound: "#1c7ed6", merged: "#2b8a3e", "": "#868e96" };
 
 const rgb = hex => [1, 3, 5].map(i => parseInt(hex.slice(i, i + 2), 16));
 const RAMP_RGB = RAMP.map(rgb);

@@ -172,7 +172,7 @@ fn viewer(view: &View) -> String {
     let losses = option(
         view.has_losses(),
         "<p class=\"quiet\">Spheres that left are drawn where they were when they were found to have left, with their \
-         two-body path: <span class=\"swatch\" style=\"background:#e8590c\"></span> escaped, \
+         two-body path: <span class=\"swatch\" style=\"background:#d6336c\"></span> escaped, \
          <span class=\"swatch\" style=\"background:#9c36b5\"></span> fell back, \
          <span class=\"swatch\" style=\"background:#1c7ed6\"></span> in orbit, \
          <span class=\"swatch\" style=\"background:#2b8a3e\"></span> merged, \

@@ -34,10 +34,10 @@ fn facts(run: &RunData) -> Vec<(&'static str, String, String)> {
         let ratios = |[a, b, c]: [f64; 3]| format!("{:.3}, {:.3}", b / a, c / a);
         let from = format!("{} at first", ratios(first.b1_axes_m));
         facts.push(("axis ratios b/a, c/a", ratios(last.b1_axes_m), from));
-        let legs = format!("in {} legs", run.legs.len());
+        let legs = format!("in {}", count(run.legs.len(), "leg"));
         facts.push(("movements", run.totals.movements.to_string(), legs));
         let shed = format!("{:.3} %", 100.0 * run.totals.shed_mass_fraction);
-        facts.push(("mass shed", shed, format!("{} spheres", run.losses.len())));
+        facts.push(("mass shed", shed, count(run.losses.len(), "sphere")));
         let density = format!("{:.0} kg/m³", last.densities_kg_m3[0]);
         facts.push(("density", density, format!("{:.0} at first", first.densities_kg_m3[0])));
     }
@@ -48,6 +48,11 @@ fn facts(run: &RunData) -> Vec<(&'static str, String, String)> {
     let cpu = format!("{} of CPU", duration(run.totals.cpu_seconds));
     facts.push(("computed in", duration(run.totals.seconds), cpu));
     facts
+}
+
+/// `1 leg`, `2 legs`.
+fn count(n: usize, what: &str) -> String {
+    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
 }
 
 /// Time, spin rate and obliquity that a run has come to.
