@@ -74,7 +74,7 @@ class View3d {
   static standard(reach) { return { longitude: -60, latitude: 25, half: reach * 1.02 }; }
 
   start() {
-    const gl = this.canvas.getContext("webgl2", { antialias: true, alpha: false, preserveDrawingBuffer: true });
+    const gl = this.canvas.getContext("webgl2", { antialias: true, alpha: false });
     if (!gl) throw new Error("WebGL2 is not available");
     this.gl = gl;
     this.spheres = this.program(SPHERE_VERTEX, SPHERE_FRAGMENT, ["turn", "scale", "depth", "rim"]);

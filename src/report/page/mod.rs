@@ -32,6 +32,8 @@ const VIEWER: &str = include_str!("../../../assets/report/viewer.js");
 pub struct Picture {
     /// What it shows, as a headline.
     pub title: String,
+    /// What to see in it.
+    pub caption: String,
     /// SVG document.
     pub svg: String,
 }
@@ -95,7 +97,7 @@ fn body(run: &RunData, extras: &Extras, view: Option<&View>, title: &Html) -> St
         section("body", "The body through time", view.map(viewer)),
         section("figures", "Figures", pictures(extras)),
         section("intervals", "Intervals between movements", tables::intervals(run).map(|t| t.to_string())),
-        section("shed", "Shed mass", tables::losses(run).map(|t| t.to_string())),
+        section("shed", "Shed mass", shed(run)),
         section("settling", "Settling", tables::settling(run).map(|t| t.to_string())),
         section("costs", "Where the time went, and which errors came in", Some(costs_and_sessions(run))),
     ]
@@ -136,9 +138,12 @@ fn pictures(extras: &Extras) -> Option<String> {
     }
     let mut text = String::new();
     for picture in &extras.pictures {
-        let title = Html::text(&picture.title);
+        let [title, caption] = [&picture.title, &picture.caption].map(|words| Html::text(words));
         let svg = inline_svg(&picture.svg, &picture.title);
-        let _ = write!(text, "<figure class=\"figure\">\n<h3>{title}</h3>\n{svg}\n</figure>\n");
+        let _ = write!(
+            text,
+            "<figure class=\"figure\">\n<h3>{title}</h3>\n{svg}\n<figcaption>{caption}</figcaption>\n</figure>\n"
+        );
     }
     if !extras.left_out.is_empty() {
         text.push_str("<h3>Figures that this run has no data for</h3>\n<ul class=\"quiet\">\n");
@@ -148,6 +153,12 @@ fn pictures(extras: &Extras) -> Option<String> {
         text.push_str("</ul>\n");
     }
     Some(text)
+}
+
+fn shed(run: &RunData) -> Option<String> {
+    let parts: Vec<String> =
+        [tables::fission(run), tables::losses(run)].into_iter().flatten().map(|p| p.to_string()).collect();
+    (!parts.is_empty()).then(|| parts.concat())
 }
 
 fn costs_and_sessions(run: &RunData) -> String {

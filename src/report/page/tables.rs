@@ -89,6 +89,28 @@ pub fn settling(run: &RunData) -> Option<Html> {
     Some(table("blocks of settling", &columns, rows))
 }
 
+/// How the two pieces of a fission went on; `None` without one that was followed.
+pub fn fission(run: &RunData) -> Option<Html> {
+    let (_, fission) = run.fission.as_ref()?;
+    let [body, piece] = fission.mass_kg.map(|m| 100.0 * m / run.initial_mass_kg());
+    let speed = fission.speed_m_s.map_or(String::new(), |v| format!(" at {v:.3} m/s"));
+    let orbit = fission.orbit.map_or(String::new(), |[a, e, i]| {
+        format!("; mean orbit a = {a:.0} m, e = {e:.3}, i = {:.1}°", i.to_degrees())
+    });
+    let periods = fission
+        .spin_rate
+        .map(|omega| RunData::period_h(omega).map_or("not turning".to_owned(), |p| format!("turning in {p:.2} h")));
+    let text = format!(
+        "The body parted into {body:.1} % and {piece:.1} % of its first mass. After {:.2} days: {}{speed}{orbit}. The body was \
+         then {}, the piece {}.",
+        fission.t_s / 86400.0,
+        fission.fate,
+        periods[0],
+        periods[1]
+    );
+    Some(Html::markup(format!("<p>{}</p>\n", Html::text(&text))))
+}
+
 /// Spheres that left and what became of them; `None` if none did.
 pub fn losses(run: &RunData) -> Option<Html> {
     if run.losses.is_empty() && run.fates.is_empty() {
