@@ -149,6 +149,26 @@ impl<'a> Engine<'a> {
         ContactHistory::sorted(self.pairs.memories().into_iter().map(external).collect())
     }
 
+    /// What the contacts do to each sphere now, in the caller's rows: forces, N, and torques, N m.
+    pub fn contact_forces(&mut self) -> (Vec<[f64; 3]>, Vec<[f64; 3]>) {
+        let (mut forces, mut torques) = (vec![[0.0; 3]; self.n], vec![[0.0; 3]; self.n]);
+        let width = record::sums(self.model);
+        for (c, chunk) in self.pairs.chunks.iter_mut().enumerate() {
+            // The sums may be asked for again.
+            let sums = chunk.sums.clone();
+            collect(self.model, chunk, &self.pairs.foreign);
+            for own in 0..chunk.own {
+                let row = self.rows[c * CHUNK + own] as usize;
+                forces[row] = chunk.sums[own * width].xyz().into();
+                if self.model != FRICTIONLESS {
+                    torques[row] = chunk.sums[own * width + 1].xyz().into();
+                }
+            }
+            chunk.sums = sums;
+        }
+        (forces, torques)
+    }
+
     /// Deepest overlap since the start, over the smaller radius.
     pub fn deepest(&self) -> f64 {
         self.pairs.chunks.iter().map(|c| c.deepest).fold(0.0, f64::max)

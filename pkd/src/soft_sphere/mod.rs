@@ -56,6 +56,15 @@ pub struct SoftSphere {
     gravity: crate::gravity::Gravity,
 }
 
+/// Forces and torques of contacts; index = sphere.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ContactForces {
+    /// Forces, N.
+    pub force_n: Vec<[f64; 3]>,
+    /// Torques about the centres, N m; zero without friction.
+    pub torque_n_m: Vec<[f64; 3]>,
+}
+
 impl SoftSphere {
     /// An integrator whose contacts remember nothing; the parameters are checked when it is used.
     pub fn new(parameters: SoftSphereParameters) -> Self {
@@ -125,6 +134,21 @@ impl SoftSphere {
         go_on: &mut dyn FnMut() -> bool,
     ) -> Result<Report, PkdError> {
         self.evolve_on(Processor::present(), spheres, duration_s, go_on)
+    }
+
+    /// What the contacts do to each sphere at this moment: forces (N) and torques about its centre (N m), without gravity.
+    ///
+    /// # Errors
+    /// As [`Self::evolve`].
+    pub fn contact_forces(&mut self, spheres: &Spheres) -> Result<ContactForces, PkdError> {
+        let stiffness = self.stiffness(spheres)?;
+        self.history.fits(spheres.len())?;
+        let parameters = SoftSphereParameters { gravity: Gravity::Off, ..self.parameters.clone() };
+        let law = Coefficients::new(&parameters, stiffness.normal_n_m, stiffness.step_s);
+        let (processor, gravity) = (Processor::present(), &mut self.gravity);
+        let mut engine = Engine::new(processor, gravity, &parameters, law, spheres, &self.history)?;
+        let (force_n, torque_n_m) = engine.contact_forces();
+        Ok(ContactForces { force_n, torque_n_m })
     }
 
     fn evolve_on(
