@@ -1,6 +1,7 @@
-//! A block of dynamics at constant angular momentum: some rotations, then who moved and who left.
+//! Dynamics at constant angular momentum: a stretch of time, and a block of rotations after which it is asked who moved
+//! and who left.
 //!
-//! Settling of object 0, the check after a change of spin and `yorp relax` are all made of such blocks.
+//! Settling of object 0, the check after a change of spin and `yorp relax` are all made of these.
 
 use nalgebra::Vector3;
 use pkd::Spheres;
@@ -37,7 +38,7 @@ impl Aggregate {
 pub struct Block {
     /// Rotation period at its start, s.
     pub period_s: f64,
-    /// Spheres displaced beyond the movement limit within the block.
+    /// Spheres displaced beyond the limit within the block.
     pub moved: u32,
     /// Largest displacement within the block, radii.
     pub max_displacement_radii: f64,
@@ -47,9 +48,9 @@ pub struct Block {
     pub departures: Departures,
 }
 
-/// Evolves `aggregate` for `rotations` of its present period, one rotation at a time, and removes what left it.
+/// Evolves `aggregate` for `rotations` of its present period, at most one rotation at a time, and removes what left it.
 ///
-/// A sphere counts as moved when it is displaced by more than `movement_radius_fraction` of its radius.
+/// A sphere counts as moved when it is displaced by more than `radius_fraction` of its radius.
 /// `after_rotation` is called with the number of rotations done.
 ///
 /// # Errors
@@ -57,19 +58,43 @@ pub struct Block {
 pub fn evolve_block(
     engine: &mut Engine,
     aggregate: &mut Aggregate,
-    rotations: u32,
-    movement_radius_fraction: f64,
+    rotations: f64,
+    radius_fraction: f64,
     observer: &mut dyn Observer,
-    mut after_rotation: impl FnMut(u32, &mut dyn Observer),
+    after_rotation: impl FnMut(f64, &mut dyn Observer),
 ) -> Result<Block, EvolveError> {
-    let before = mass_properties(&aggregate.spheres)?;
     let start = aggregate.spheres.clone();
+    let (period_s, dynamics) = evolve_stretch(engine, aggregate, rotations, observer, after_rotation)?;
+    let departures = departures(&start, aggregate)?;
+    let keep = departures.stays();
+    let movement = movement_within(&start.filtered(keep), &aggregate.spheres.filtered(keep), radius_fraction);
+    let radius = start.radius.iter().zip(keep).filter(|(_, k)| **k).map(|(r, _)| r);
+    let max_displacement_radii = movement.residual_m.iter().zip(radius).fold(0.0_f64, |m, (d, r)| m.max(d / r));
+    let moved = movement.count() as u32;
+    departures.remove_from(aggregate)?;
+    Ok(Block { period_s, moved, max_displacement_radii, dynamics, departures })
+}
+
+/// Evolves `aggregate` for `rotations` of their present period, at most one rotation at a time: the period (s) and the work.
+///
+/// # Errors
+/// The integration failed, or the observer asked to stop.
+pub(super) fn evolve_stretch(
+    engine: &mut Engine,
+    aggregate: &mut Aggregate,
+    rotations: f64,
+    observer: &mut dyn Observer,
+    mut after_rotation: impl FnMut(f64, &mut dyn Observer),
+) -> Result<(f64, DynamicsRecord), EvolveError> {
+    let before = mass_properties(&aggregate.spheres)?;
     let period_s = std::f64::consts::TAU / before.spin_rate();
-    let mut dynamics = DynamicsRecord { rotations, ..DynamicsRecord::default() };
-    for done in 1..=rotations {
+    let mut dynamics = DynamicsRecord::default();
+    while dynamics.rotations < rotations {
+        let part = (rotations - dynamics.rotations).min(1.0);
         let Aggregate { spheres, contacts, .. } = &mut *aggregate;
-        let work = engine.evolve(spheres, contacts, period_s, &mut || !observer.interrupted())?;
+        let work = engine.evolve(spheres, contacts, part * period_s, &mut || !observer.interrupted())?;
         let counts = work.collisions();
+        dynamics.rotations += part;
         dynamics.collisions += counts.collisions;
         dynamics.slide_rule += counts.slide;
         dynamics.collapse_rule += counts.collapse;
@@ -78,20 +103,13 @@ pub fn evolve_block(
         if observer.interrupted() {
             return Err(EvolveError::Interrupted);
         }
-        after_rotation(done, observer);
+        after_rotation(dynamics.rotations, observer);
     }
     let after = mass_properties(&aggregate.spheres)?;
     dynamics.momentum_drift = momentum_drift(&aggregate.spheres, &before, &after);
     dynamics.angular_momentum_drift =
         (after.angular_momentum - before.angular_momentum).norm() / before.angular_momentum.norm();
-    let departures = departures(&start, aggregate)?;
-    let keep = departures.stays();
-    let movement = movement_within(&start.filtered(keep), &aggregate.spheres.filtered(keep), movement_radius_fraction);
-    let radius = start.radius.iter().zip(keep).filter(|(_, k)| **k).map(|(r, _)| r);
-    let max_displacement_radii = movement.residual_m.iter().zip(radius).fold(0.0_f64, |m, (d, r)| m.max(d / r));
-    let moved = movement.count() as u32;
-    departures.remove_from(aggregate)?;
-    Ok(Block { period_s, moved, max_displacement_radii, dynamics, departures })
+    Ok((period_s, dynamics))
 }
 
 /// Movement among the same spheres between two moments, by the robust rule.

@@ -16,7 +16,7 @@ pub struct Built {
     /// Its spheres, inertial frame.
     pub spheres: Spheres,
     /// Rotations of settling.
-    pub rotations: u32,
+    pub rotations: f64,
     /// Whether the last block was without movement; `None` if it was not asked to settle.
     pub settled: Option<bool>,
     /// Volume of the convex hull of the spheres (B3), m^3.
@@ -31,7 +31,7 @@ pub fn build(scene: &SceneFile, settle: bool, observer: &mut dyn Observer) -> Re
     refuse_early(&scene.scene)?;
     let mut state = begin(&scene.scene, aggregate(scene, observer)?)?;
     let mut engine = ContactLaw::of(&scene.scene).engine(state.normal_stiffness_n_m);
-    let (mut rotations, mut settled) = (0, None);
+    let (mut rotations, mut settled) = (0.0, None);
     while settle && state.stage == Stage::Built {
         let (next, block, _) = settle_block(&scene.scene, &mut engine, state, observer)?;
         rotations += block.dynamics.rotations;

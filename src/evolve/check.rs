@@ -1,19 +1,28 @@
 //! Whether an aggregate bears a new spin rate: it is given the spin, evolves at constant angular momentum, and is
 //! compared with its present configuration.
+//!
+//! The full question of Cotto-Figueroa et al. (2015, section 2.4) evolves whole blocks of rotations, whatever they show:
+//! thousands of times in a run, mostly to see nothing. The brief one looks for a rotation after a movement, and half as
+//! long each time that nothing stirs, down to a glance of a tenth of a rotation: long enough for a sphere out of
+//! balance by a hundredth of gravity to show. A look is enough while nothing has left the place where it last lay at rest
+//! by more than rattling; shifts too slow for one look add up over those that follow. Otherwise blocks of rotations
+//! follow until one is quiet, and where the spheres then lie is the new place of rest. A spin that has changed by some
+//! percent since then is given a whole rotation again.
 
 use nalgebra::Vector3;
+use pkd::Spheres;
 use pkd::frame::add_spin;
 use pkd::mass_properties::mass_properties;
 
 use super::EvolveError;
-use super::block::{Aggregate, coordinates, evolve_block};
+use super::block::{Aggregate, coordinates, evolve_block, evolve_stretch};
 use super::engine::Engine;
 use super::fate::shed;
-use super::movement::{Movement, detect_movement};
+use super::movement::{Movement, MovementRule, detect_movement};
 use super::observer::{Observer, Progress};
-use super::shedding::Breakup;
-use crate::scene::Scene;
-use crate::store::{ConfigurationRecord, DynamicsRecord, Shedding, State};
+use super::shedding::{Breakup, on_one_body};
+use crate::scene::{BriefQuestion, Question, Scene};
+use crate::store::{ConfigurationRecord, DynamicsRecord, Rest, Shedding, State};
 
 /// How the aggregate answered.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,6 +35,8 @@ pub struct Check {
     pub dynamics: DynamicsRecord,
     /// Whether the last block was without movement.
     pub settled: bool,
+    /// Where the aggregate was last seen at rest, for the next question.
+    pub rest: Option<Rest>,
     /// What left.
     pub shedding: Shedding,
     /// Set if what left is so heavy that the run ends.
@@ -53,19 +64,41 @@ pub fn check_spin(
     add_spin(&mut body.spheres, axis * (omega - present))?;
 
     let settling = &scene.settling;
-    let fraction = scene.evolution.movement_radius_fraction;
+    let full = f64::from(settling.rotations);
+    let (block_rotations, fraction) = match settling.question {
+        Question::Full => (full, scene.evolution.movement_radius_fraction),
+        Question::Brief(brief) => (brief.block_rotations, rest_radius_fraction(scene, &brief)),
+    };
+    let mut after_rotation = |_, observer: &mut dyn Observer| observer.progress(progress);
     let mut dynamics = DynamicsRecord::default();
+    if let (Question::Brief(brief), Some(rest)) = (settling.question, &state.rest) {
+        let changed = (omega / rest.omega - 1.0).abs() >= brief.spin_change;
+        let look = if changed { brief.block_rotations } else { rest.look_rotations };
+        (_, dynamics) = evolve_stretch(engine, &mut body, look, observer, &mut after_rotation)?;
+        if on_one_body(&body.spheres)
+            && rests(rest, &body.spheres, fraction)
+            && compare(scene, configuration, &body).count() == 0
+        {
+            let look_rotations = (0.5 * look).max(brief.glance_rotations);
+            let rest =
+                if changed { rest_at(&body.spheres, look_rotations)? } else { Rest { look_rotations, ..rest.clone() } };
+            let rest = Some(rest);
+            let shedding = Shedding::default();
+            return Ok(Check { body, movement: None, dynamics, settled: true, rest, shedding, breakup: None });
+        }
+    }
     let mut shedding = Shedding::default();
     let mut left = false;
     loop {
-        let rotations = settling.rotations.min(settling.max_rotations - dynamics.rotations);
-        let mut after_rotation = |_, observer: &mut dyn Observer| observer.progress(progress);
+        // What is off the body is given the time that the full question gives it to land.
+        let rotations = if on_one_body(&body.spheres) { block_rotations } else { full };
+        let rotations = rotations.min(f64::from(settling.max_rotations) - dynamics.rotations);
         let block = evolve_block(engine, &mut body, rotations, fraction, observer, &mut after_rotation)?;
         dynamics.add(&block.dynamics);
         let leaves = !block.departures.spheres.is_empty();
-        let quiet = block.moved == 0 && !leaves;
+        let quiet = block.moved == 0 && !leaves && (rotations >= full || on_one_body(&body.spheres));
         let breakup = block.departures.breakup;
-        let over = breakup.is_some() || dynamics.rotations >= settling.max_rotations;
+        let over = breakup.is_some() || dynamics.rotations >= f64::from(settling.max_rotations);
         if leaves {
             left = true;
             let more = shed(scene, &mut body, &block.departures, [t_s, omega, state.obliquity])?;
@@ -75,11 +108,42 @@ pub fn check_spin(
         }
         let movement = compare(scene, configuration, &body);
         let moved = movement.count() > 0 || left;
-        if !moved || quiet || over {
+        let unmoved = !moved && settling.question == Question::Full;
+        if unmoved || quiet || over {
             let movement = moved.then_some(movement);
-            return Ok(Check { body, movement, dynamics, settled: quiet || !moved, shedding, breakup });
+            let rest = rest_of(scene, &body.spheres)?;
+            return Ok(Check { body, movement, dynamics, settled: quiet || unmoved, rest, shedding, breakup });
         }
     }
+}
+
+/// Where the spheres lie after a movement, for a scene whose questions are brief.
+///
+/// # Errors
+/// A sphere that is not finite.
+pub(super) fn rest_of(scene: &Scene, spheres: &Spheres) -> Result<Option<Rest>, EvolveError> {
+    match scene.settling.question {
+        Question::Full => Ok(None),
+        Question::Brief(brief) => rest_at(spheres, brief.block_rotations).map(Some),
+    }
+}
+
+/// The spheres at rest where they are, to be looked at for `look_rotations` next time.
+fn rest_at(spheres: &Spheres, look_rotations: f64) -> Result<Rest, EvolveError> {
+    let omega = mass_properties(spheres)?.spin_rate();
+    Ok(Rest { omega, look_rotations, positions: coordinates(spheres).map(<[f64]>::to_vec) })
+}
+
+/// Whether no sphere has left its place of rest by more than it may.
+fn rests(rest: &Rest, spheres: &Spheres, radius_fraction: f64) -> bool {
+    let [x, y, z] = &rest.positions;
+    let now = coordinates(spheres);
+    detect_movement([x, y, z], now, &spheres.radius, radius_fraction, MovementRule::Robust).count() == 0
+}
+
+/// How far a sphere at rest may shift, radii.
+fn rest_radius_fraction(scene: &Scene, brief: &BriefQuestion) -> f64 {
+    brief.rest_fraction * scene.evolution.movement_radius_fraction
 }
 
 /// Compares `body` with the present configuration, sphere by sphere among those that are in both.
@@ -102,4 +166,96 @@ pub fn compare(scene: &Scene, configuration: &ConfigurationRecord, body: &Aggreg
         evolution.movement_radius_fraction,
         evolution.movement_rule,
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use pkd::frame::{set_rigid_rotation, to_principal_axes};
+    use pkd::packing::{Grain, carve, hcp_lattice};
+
+    use super::*;
+    use crate::evolve::Silent;
+    use crate::evolve::configuration::{Original, object_0};
+    use crate::evolve::engine::ContactLaw;
+    use crate::evolve::settling::begin;
+    use crate::store::Ledger;
+
+    /// A lattice turning once in ten hours, and its configuration.
+    fn lattice(scene: &Scene) -> (State, ConfigurationRecord) {
+        let grain = Grain { radius: 50.0, density: 2960.0 };
+        let block = hcp_lattice([400.0; 3], grain).unwrap();
+        let inside = |[x, y, z]: [f64; 3]| (x / 320.0).powi(2) + (y / 260.0).powi(2) + (z / 220.0).powi(2) < 1.0;
+        let mut spheres = carve(&block, inside).unwrap();
+        to_principal_axes(&mut spheres).unwrap();
+        set_rigid_rotation(&mut spheres, Vector3::z() * 1.7e-4).unwrap();
+        let mut state = begin(scene, spheres).unwrap();
+        state.rest = rest_of(scene, &state.spheres).unwrap();
+        let original = Original::new(scene, &state.spheres).unwrap();
+        let shape = object_0(scene, &original, &state, &mut Ledger::default()).unwrap();
+        (state, shape.record)
+    }
+
+    fn ask(scene: &Scene, state: &State, configuration: &ConfigurationRecord, omega: f64) -> Check {
+        let progress = Progress::Building { stretches: 0 };
+        check_spin(
+            &mut ContactLaw::of(scene).engine(None),
+            scene,
+            state,
+            [0.0, omega],
+            configuration,
+            &mut Silent,
+            progress,
+        )
+        .unwrap()
+    }
+
+    fn scene(settling: &str) -> Scene {
+        let body = r#""body": {"packed_ellipsoid": {"spheres": 10, "radius_m": 50, "grain_density_kg_m3": 2960, "b_over_a": 1, "c_over_a": 1}}"#;
+        let text = format!(r#"{{{body}, "tiling": {{"facets": 100}}, "settling": {settling}}}"#);
+        Scene::parse(&text, Path::new("test")).unwrap()
+    }
+
+    #[test]
+    fn looks_at_a_body_at_rest_get_shorter_until_the_spin_has_changed() {
+        let scene = scene("{}");
+        let (mut state, configuration) = lattice(&scene);
+        let mut omega = state.omega;
+        let mut looks = Vec::new();
+        for _ in 0..12 {
+            omega *= 1.005;
+            let check = ask(&scene, &state, &configuration, omega);
+            assert!(check.movement.is_none() && check.settled);
+            looks.push(check.dynamics.rotations);
+            (state.spheres, state.rest) = (check.body.spheres, check.rest);
+        }
+        // 1.005^10 is 1.051
+        assert_eq!(looks, [1.0, 0.5, 0.25, 0.125, 0.1, 0.1, 0.1, 0.1, 0.1, 1.0, 0.5, 0.25]);
+        let properties = mass_properties(&state.spheres).unwrap();
+        assert!((properties.spin_rate() / omega - 1.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn a_falling_stone_is_seen_by_a_glance_and_followed_until_it_lies() {
+        let scene = scene("{}");
+        let (mut state, configuration) = lattice(&scene);
+        state.rest = Some(Rest { look_rotations: 0.1, ..state.rest.unwrap() });
+        let top = (0..state.spheres.len()).max_by(|i, j| state.spheres.z[*i].total_cmp(&state.spheres.z[*j])).unwrap();
+        state.spheres.z[top] += 60.0;
+        state.spheres.vx[top] += 0.1;
+        let check = ask(&scene, &state, &configuration, state.omega);
+        assert!(check.dynamics.rotations > 1.0 && check.settled);
+        assert!(check.movement.is_some_and(|movement| movement.moved[top]));
+        assert_eq!(check.rest.map(|rest| rest.look_rotations), Some(1.0));
+    }
+
+    #[test]
+    fn the_full_question_takes_whole_blocks() {
+        let scene = scene(r#"{"rotations": 2, "question": "full"}"#);
+        let (state, configuration) = lattice(&scene);
+        let check = ask(&scene, &state, &configuration, state.omega);
+        assert_eq!((check.dynamics.rotations, check.rest), (2.0, None));
+        assert!(check.movement.is_none());
+    }
 }

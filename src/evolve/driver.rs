@@ -10,7 +10,7 @@ use pkd::mass_properties::mass_properties;
 
 use super::EvolveError;
 use super::aggregate::{aggregate, refuse_early};
-use super::check::{Check, check_spin};
+use super::check::{Check, check_spin, rest_of};
 use super::configuration::{Original, Shape, next_object, object_0};
 use super::engine::{ContactLaw, Engine};
 use super::observer::{Observer, Progress};
@@ -155,6 +155,7 @@ impl Driver<'_> {
         let rigid: Vec<_> = cycle.states.iter().map(sample).collect();
         state.stage = Stage::Evolving;
         state.configuration = Some(0);
+        state.rest = rest_of(self.scene, &state.spheres)?;
         self.save(|store, ledger| store.save_object_0(&original.record(), &shape.record, &rigid, &state, ledger))?;
         Ok(state)
     }
@@ -226,6 +227,7 @@ impl Driver<'_> {
         self.note_check(&mut record, &check)?;
         next.spheres = check.body.spheres;
         next.contacts = check.body.contacts;
+        next.rest = check.rest;
         let Some(movement) = check.movement else {
             return self.commit_leg(LegRecord { result: "quiet".into(), ..record }, next, None, &Shedding::default());
         };

@@ -47,7 +47,7 @@ pub enum EvolveError {
     )]
     BrokeUpWhileSettling {
         /// Rotations done.
-        rotations: u32,
+        rotations: f64,
     },
     /// Rotations were asked of a body that does not rotate.
     #[error("the aggregate does not rotate; give it a period or ask for seconds")]

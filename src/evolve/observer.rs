@@ -11,7 +11,7 @@ pub enum Progress {
     /// One rotation of settling is done.
     Settling {
         /// Rotations done.
-        rotations: u32,
+        rotations: f64,
     },
     /// A leg is done, or one rotation within its check.
     Evolving {

@@ -139,7 +139,7 @@ impl Run {
 }
 
 fn one_rotation_done(observer: &mut dyn Observer, rotations: f64) -> Result<(), EvolveError> {
-    observer.progress(Progress::Settling { rotations: rotations as u32 });
+    observer.progress(Progress::Settling { rotations });
     if observer.interrupted() { Err(EvolveError::Interrupted) } else { Ok(()) }
 }
 

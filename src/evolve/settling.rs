@@ -28,6 +28,7 @@ pub fn begin(scene: &Scene, spheres: Spheres) -> Result<State, EvolveError> {
         refinement: 0,
         t_s: 0.0,
         omega: mass_properties(&spheres)?.spin_rate(),
+        rest: None,
         obliquity: scene.spin.obliquity_rad(),
         sphere_ids: (0..spheres.len() as u32).collect(),
         spheres,
@@ -49,13 +50,13 @@ pub fn settle_block(
     observer: &mut dyn Observer,
 ) -> Result<(State, SettlingRecord, Shedding), EvolveError> {
     let settling = &scene.settling;
-    let done = state.blocks * settling.rotations;
+    let done = f64::from(state.blocks * settling.rotations);
     let (spheres, ids, contacts) = (state.spheres, state.sphere_ids, state.contacts);
     let mut body = Aggregate { spheres, ids, contacts };
     let block = evolve_block(
         engine,
         &mut body,
-        settling.rotations.min(settling.max_rotations - done),
+        f64::from(settling.rotations).min(f64::from(settling.max_rotations) - done),
         scene.evolution.movement_radius_fraction,
         observer,
         |rotation, observer| observer.progress(Progress::Settling { rotations: done + rotation }),
@@ -84,7 +85,7 @@ pub fn settle_block(
     state.omega = properties.spin_rate();
     state.blocks += 1;
     let quiet = block.moved == 0 && block.departures.spheres.is_empty();
-    if quiet || rotations >= settling.max_rotations {
+    if quiet || rotations >= f64::from(settling.max_rotations) {
         state.stage = Stage::Settled;
     }
     if !quiet && state.stage == Stage::Settled {

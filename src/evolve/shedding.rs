@@ -131,6 +131,11 @@ pub fn departures(start: &Spheres, aggregate: &Aggregate) -> Result<Departures, 
     Ok(found)
 }
 
+/// Whether all spheres hang together.
+pub(super) fn on_one_body(spheres: &Spheres) -> bool {
+    clusters(spheres, CONTACT_GAP_OVER_RADIUS).len() == 1
+}
+
 /// For each sphere whether it is outside the heaviest cluster.
 fn off_the_body(spheres: &Spheres) -> Vec<bool> {
     let clusters = clusters(spheres, CONTACT_GAP_OVER_RADIUS);

@@ -135,11 +135,50 @@ pub struct Settling {
     pub rotations: u32,
     /// Rotations after which settling ends in any case and says so (default 50).
     pub max_rotations: u32,
+    /// How long the aggregate is watched after a small change of its spin (default brief).
+    pub question: Question,
 }
 
 impl Default for Settling {
     fn default() -> Self {
-        Self { rotations: 5, max_rotations: 50 }
+        Self { rotations: 5, max_rotations: 50, question: Question::default() }
+    }
+}
+
+/// How a leg asks the aggregate whether it bears its new spin.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Question {
+    /// As Cotto-Figueroa et al. (2015), section 2.4: blocks of `settling.rotations`, whatever they show.
+    Full,
+    /// A look that gets shorter as long as nothing stirs.
+    Brief(BriefQuestion),
+}
+
+impl Default for Question {
+    fn default() -> Self {
+        Self::Brief(BriefQuestion::default())
+    }
+}
+
+/// How long a look is and when it is enough, see [`crate::evolve::check`].
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct BriefQuestion {
+    /// Rotations of the shortest look (default 0.1).
+    pub glance_rotations: f64,
+    /// Rotations of the first look after a movement, and of the blocks in which a movement is followed (default 1).
+    pub block_rotations: f64,
+    /// The body is at rest while no sphere has shifted by more than this fraction of what counts as a movement, in a
+    /// block or in all looks since it was last found at rest (default 0.5; rattling of loose spheres reaches 0.3).
+    pub rest_fraction: f64,
+    /// Relative change of the spin rate after which the next look has its first length again (default 0.05).
+    pub spin_change: f64,
+}
+
+impl Default for BriefQuestion {
+    fn default() -> Self {
+        Self { glance_rotations: 0.1, block_rotations: 1.0, rest_fraction: 0.5, spin_change: 0.05 }
     }
 }
 

@@ -5,7 +5,7 @@
 
 use serde_json::Value;
 
-use super::{Body, Contact, Scene};
+use super::{Body, Contact, Question, Scene};
 
 /// A value that a scene may not hold.
 #[derive(Debug, Clone, PartialEq)]
@@ -123,6 +123,10 @@ pub(super) const LIMITS: &[Limit] = &[
     above("gravity.force_error", 0.0, 0.1),
     closed("settling.rotations", 1.0, 1000.0),
     closed("settling.max_rotations", 1.0, 10_000.0).note("and not below settling.rotations"),
+    closed("settling.question.brief.glance_rotations", 0.01, 100.0).note("and not above block_rotations"),
+    closed("settling.question.brief.block_rotations", 0.05, 100.0),
+    above("settling.question.brief.rest_fraction", 0.0, 1.0),
+    closed("settling.question.brief.spin_change", 0.0, 1.0),
     closed("tiling.facets", 4.0, 200_000.0).note("and even, as every closed surface of triangles"),
     closed("tiling.exponent", 1.0, 10.0),
     closed("tiling.level", 0.1, 10.0),
@@ -211,6 +215,12 @@ fn inconsistent(scene: &Scene) -> Option<Violation> {
     if settling.max_rotations < settling.rotations {
         let allowed = format!("at least settling.rotations = {}, at most 10000", settling.rotations);
         return violation("settling.max_rotations", settling.max_rotations.to_string(), allowed);
+    }
+    if let Question::Brief(brief) = settling.question
+        && brief.glance_rotations > brief.block_rotations
+    {
+        let allowed = format!("at most settling.question.brief.block_rotations = {}", brief.block_rotations);
+        return violation("settling.question.brief.glance_rotations", brief.glance_rotations.to_string(), allowed);
     }
     if !scene.tiling.facets.is_multiple_of(2) {
         let allowed = limit("tiling.facets").expect("listed above").to_string();

@@ -8,8 +8,8 @@ use serde::Serialize;
 use pkd::soft_sphere::Friction;
 
 use super::{
-    Body, Contact, FrictionModel, GravityMethod, HardSphereContact, Interpolation, MovementRule, Packing, Reflectance,
-    Scene, SelfHeating, SoftSphereContact, TangentialYorp, Track,
+    Body, Contact, FrictionModel, GravityMethod, HardSphereContact, Interpolation, MovementRule, Packing, Question,
+    Reflectance, Scene, SelfHeating, SoftSphereContact, TangentialYorp, Track,
 };
 
 /// What a scene will run.
@@ -80,6 +80,20 @@ impl Plan {
             format!("blocks of {} rotations, at most {}", scene.settling.rotations, scene.settling.max_rotations),
             "a body that still shifts has no torque of its own",
         ));
+        parts.push(match scene.settling.question {
+            Question::Full => on("question", "whole blocks after each change of spin", "as the paper asks"),
+            Question::Brief(brief) => on(
+                "question",
+                format!(
+                    "{} rotations after a movement, then half as long each time down to {}",
+                    brief.block_rotations, brief.glance_rotations
+                ),
+                format!(
+                    "blocks follow if a sphere shifts by {} of its radius",
+                    brief.rest_fraction * scene.evolution.movement_radius_fraction
+                ),
+            ),
+        });
         parts.push(on(
             "tiling",
             format!("{} facets on {} vertices", scene.tiling.facets, scene.tiling.vertices()),

@@ -74,6 +74,7 @@ impl RunReader {
         for (column, chunk) in body.columns_mut().into_iter().zip(values.chunks_exact(sphere_ids.len())) {
             *column = chunk.to_vec();
         }
+        let rest = self.rest(sphere_ids.len())?;
         let outcome = match outcome {
             None => None,
             Some(name) => Some(Outcome::from_name(&name).ok_or_else(|| self.damaged("state.outcome"))?),
@@ -92,7 +93,22 @@ impl RunReader {
             normal_stiffness_n_m,
             spheres: body,
             sphere_ids,
+            rest,
         }))
+    }
+
+    /// Where the aggregate of `count` spheres was last seen at rest.
+    fn rest(&self, count: usize) -> Result<Option<Rest>, StoreError> {
+        let row = self.query("SELECT rest_omega, look_rotations, rest FROM state WHERE rest IS NOT NULL", |row| {
+            <(f64, f64, Vec<u8>)>::try_from(row)
+        })?;
+        row.map(|(omega, look_rotations, blob)| {
+            let values = blob_to_f64(&blob).filter(|values| values.len() == 3 * count)?;
+            let column = |k: usize| values[k * count..][..count].to_vec();
+            Some(Rest { omega, look_rotations, positions: [0, 1, 2].map(column) })
+        })
+        .map(|decoded| decoded.ok_or_else(|| self.damaged("state.rest")))
+        .transpose()
     }
 
     /// What the contacts of `spheres` spheres remember.

@@ -21,6 +21,9 @@ CREATE TABLE state (
     obliquity     REAL NOT NULL,     -- rad
     spheres       BLOB NOT NULL,     -- f64, 11 columns of N: x y z vx vy vz wx wy wz mass radius, inertial frame
     sphere_ids    BLOB NOT NULL,     -- u32, N: row of each sphere in table sphere
+    rest_omega    REAL,              -- spin rate when the aggregate was last seen at rest, rad/s
+    look_rotations REAL,             -- how long the next look at it is to be
+    rest          BLOB,              -- f64, 3 x N: x, y, z of the spheres then
     normal_stiffness_n_m REAL,       -- of soft contacts, found at the start of the run; null for hard spheres
     contact_rows  BLOB,              -- u32, C x 2: rows of `spheres` that touch; null for hard spheres, as the next
     contacts      BLOB               -- f64, C x 8: what each contact remembers: sliding spring (3), m; rolling spring (3),
@@ -35,7 +38,7 @@ CREATE TABLE sphere (
 
 CREATE TABLE settling (
     block                    INTEGER PRIMARY KEY,
-    rotations                INTEGER NOT NULL,
+    rotations                REAL NOT NULL,
     period_s                 REAL NOT NULL,     -- at the block's start
     moved                    INTEGER NOT NULL,  -- spheres displaced beyond the movement limit in this block
     max_displacement_radii   REAL NOT NULL,
@@ -100,7 +103,7 @@ CREATE TABLE leg (
     obliquity_error   REAL NOT NULL,            -- rad
     result            TEXT NOT NULL,            -- quiet, movement, backtracked
     omega_after       REAL NOT NULL,            -- spin rate the next leg starts from
-    rotations         INTEGER NOT NULL,         -- rotations of dynamics
+    rotations         REAL NOT NULL,            -- rotations of dynamics
     collisions        INTEGER NOT NULL,
     slide_rule        INTEGER NOT NULL,
     collapse_rule     INTEGER NOT NULL,

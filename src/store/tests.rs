@@ -28,6 +28,7 @@ fn state(n: usize) -> State {
         sphere_ids: (0..n as u32).collect(),
         normal_stiffness_n_m: None,
         contacts: ContactHistory::default(),
+        rest: Some(Rest { omega: 3e-4, look_rotations: 0.5, positions: [0.0, 1.0, 2.0].map(|v| vec![v; n]) }),
     }
 }
 
@@ -184,7 +185,7 @@ fn a_reader_gets_every_table_as_it_was_written_and_does_not_stop_the_run() {
         max_displacement_radii: 0.5,
         b_over_a: 0.9,
         c_over_a: 0.8,
-        dynamics: DynamicsRecord { rotations: 5, collisions: 7, capped: 1, ..Default::default() },
+        dynamics: DynamicsRecord { rotations: 5.0, collisions: 7, capped: 1, ..Default::default() },
         shed: 0,
     };
     store.save_settling(&block, &Shedding::default(), &now, &ledger).unwrap();
@@ -204,7 +205,7 @@ fn a_reader_gets_every_table_as_it_was_written_and_does_not_stop_the_run() {
         obliquity_error: 1e-10,
         result: "movement".into(),
         omega_after: 3.05e-4,
-        dynamics: DynamicsRecord { rotations: 2, max_overlap_radii: 0.1, momentum_drift: 0.2, ..Default::default() },
+        dynamics: DynamicsRecord { rotations: 2.0, max_overlap_radii: 0.1, momentum_drift: 0.2, ..Default::default() },
         moved: [1, 2, 3],
         settled: true,
         non_axial: 0.01,

@@ -183,11 +183,12 @@ fn state(positions: &[[f64; 3]]) -> State {
         sphere_ids: (0..positions.len() as u32).collect(),
         normal_stiffness_n_m: None,
         contacts: pkd::soft_sphere::ContactHistory::default(),
+        rest: None,
     }
 }
 
 fn dynamics() -> DynamicsRecord {
-    DynamicsRecord { rotations: 5, collisions: 1000, momentum_drift: 1e-15, ..DynamicsRecord::default() }
+    DynamicsRecord { rotations: 5.0, collisions: 1000, momentum_drift: 1e-15, ..DynamicsRecord::default() }
 }
 
 fn settling() -> SettlingRecord {
