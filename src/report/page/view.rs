@@ -18,6 +18,8 @@ use crate::store::{ConfigurationRecord, LossRecord};
 const BUDGET_BYTES: usize = 12_000_000;
 /// Pairs of spheres that may be summed for the effective potentials; about ten CPU seconds.
 const BUDGET_PAIRS: f64 = 1e10;
+/// The tree of a large body does as much for each sphere as a sum over so many others.
+const TREE_PAIRS: f64 = 4000.0;
 /// How far the path of a shed sphere is drawn, in radii of the body.
 const PATH_RADII: f64 = 6.0;
 
@@ -107,8 +109,8 @@ impl View {
     /// The same in at most `budget` bytes, as far as two shapes fit into them.
     fn within(run: &RunData, budget: usize) -> Option<Self> {
         let shapes = shapes(run)?;
-        let n = run.sphere_radius_m.len();
-        let pairs = shapes.len() as f64 * (n as f64).powi(2);
+        let n = run.sphere_radius_m.len() as f64;
+        let pairs = shapes.len() as f64 * n * n.min(TREE_PAIRS);
         let mut stride = ((pairs / BUDGET_PAIRS).ceil() as usize).clamp(1, shapes.len().max(2) - 1);
         loop {
             let view = Self::every(run, &shapes, stride);
