@@ -135,7 +135,8 @@ pub fn classify(run: &RunData, criteria: &Criteria) -> Result<RunClassification,
         rigid_end_obliquity_deg: rigid.map(|r| r.end_obliquity_deg),
         broke_up: broke_up(run),
     };
-    let mut likeness = Likeness::new(run);
+    let fraction = run.scene.evolution.movement_radius_fraction;
+    let mut likeness = Likeness::new(&run.configurations, &run.sphere_radius_m, fraction);
     let mut verdict = |quantity| classify_quantity(quantity, &course, |a, b| likeness.of(a, b), criteria);
     let (spin, obliquity) = (verdict(Quantity::Spin), verdict(Quantity::Obliquity));
     let jacobi = JacobiSequence::new();
