@@ -9,6 +9,7 @@ pub mod classify;
 pub mod cli;
 pub mod evolve;
 pub mod exchange;
+pub mod export;
 pub mod report;
 pub mod scene;
 pub mod shed;

@@ -188,3 +188,58 @@ fn watching_a_run_at_its_end_writes_once() {
     let page = std::fs::read_to_string(folder.path().join("report/index.html")).unwrap();
     assert!(!page.contains("data-fresh-every"));
 }
+
+#[test]
+fn every_figure_is_a_file_and_stands_in_the_page_or_says_why_not() {
+    let folder = tempfile::tempdir().unwrap();
+    Synthetic::default().write(folder.path());
+    let output = report(folder.path(), &["--json"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let value: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let page = std::fs::read_to_string(folder.path().join("report/index.html")).unwrap();
+    let figures = value["figures"].as_array().unwrap();
+    let names: Vec<&str> = figures.iter().map(|f| f["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["spin", "torque", "shape", "movements", "losses", "walk", "error", "cost"]);
+    for figure in figures {
+        let svg = std::fs::read_to_string(figure["svg"].as_str().unwrap()).unwrap();
+        assert!(svg.starts_with("<svg ") && svg.trim_end().ends_with("</svg>"));
+        assert!(page.contains(&format!("<h3>{}</h3>", figure["title"].as_str().unwrap())));
+        let png = std::fs::read(figure["png"].as_str().unwrap()).unwrap();
+        assert_eq!(png[1..4], *b"PNG");
+    }
+    let spin = std::fs::read_to_string(figures[0]["svg"].as_str().unwrap()).unwrap();
+    for words in ["Time (Myr)", "Spin rate (rev/day)", "Obliquity (deg)", "rigid body", "mass loss", "configuration"] {
+        assert!(spin.contains(words), "{words}");
+    }
+    // Half a run: what there is nothing for is named, in the page too.
+    let begun = tempfile::tempdir().unwrap();
+    Synthetic { until: Until::Object0, ..Synthetic::default() }.write(begun.path());
+    let output = report(begun.path(), &["--json"]);
+    let value: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(value["figures"][0]["name"], "torque");
+    let left_out = value["left_out"].as_array().unwrap();
+    let spin = left_out.iter().find(|m| m["name"] == "spin").unwrap();
+    let page = std::fs::read_to_string(begun.path().join("report/index.html")).unwrap();
+    assert!(page.contains(spin["reason"].as_str().unwrap()));
+}
+
+#[test]
+fn several_runs_share_figures_with_their_names() {
+    let folder = tempfile::tempdir().unwrap();
+    let runs = ["first", "second<&>"].map(|name| {
+        let run = folder.path().join(name.replace(['<', '&', '>'], ""));
+        Synthetic { name: name.into(), ..Synthetic::default() }.write(&run);
+        run
+    });
+    let out = folder.path().join("together");
+    assert_eq!(report(&runs[0], &[runs[1].to_str().unwrap()]).status.code(), Some(2));
+    let output = report(&runs[0], &[runs[1].to_str().unwrap(), "--out", out.to_str().unwrap(), "--json"]);
+    let value: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(value["page"].is_null() && !out.join("index.html").exists());
+    let figures = value["figures"].as_array().unwrap();
+    assert_eq!(figures.len(), 4);
+    for figure in figures {
+        let svg = std::fs::read_to_string(figure["svg"].as_str().unwrap()).unwrap();
+        assert!(svg.contains("first") && svg.contains("second&lt;&amp;&gt;"), "{}", figure["name"]);
+    }
+}

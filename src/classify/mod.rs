@@ -141,11 +141,6 @@ pub fn classify(run: &RunData, criteria: &Criteria) -> Result<RunClassification,
     let (spin, obliquity) = (verdict(Quantity::Spin), verdict(Quantity::Obliquity));
     let jacobi = JacobiSequence::new();
     let state = run.state.as_ref();
-    // The shape of the last interval may still be the present one.
-    let mut closed = intervals(&segments);
-    if closed.last().map(|i| i.configuration) == run.configurations.last().map(|c| c.configuration) {
-        closed.pop();
-    }
     Ok(RunClassification {
         name: run.scene.name.clone(),
         stage: state.map(|s| s.stage.name()),
@@ -160,7 +155,7 @@ pub fn classify(run: &RunData, criteria: &Criteria) -> Result<RunClassification,
         shape: ShapeHistory::of(&run.configurations, &jacobi),
         movements: Movements::of(run.movements.get(1..).unwrap_or_default(), &run.sphere_radius_m, &run.legs),
         losses: Losses::of(run, &jacobi),
-        walk: Walk::of(&closed),
+        walk: Walk::of(&closed_intervals(run, &segments)),
         cost: Cost::of(run),
         criteria: *criteria,
     })
@@ -188,6 +183,15 @@ pub fn segments(run: &RunData) -> Vec<Segment> {
         });
     }
     segments
+}
+
+/// The intervals of those segments that a movement has closed: not the one of the present shape.
+pub fn closed_intervals(run: &RunData, segments: &[Segment]) -> Vec<Segment> {
+    let mut closed = intervals(segments);
+    if closed.last().map(|i| i.configuration) == run.configurations.last().map(|c| c.configuration) {
+        closed.pop();
+    }
+    closed
 }
 
 /// Whether the run ended because the body came apart.

@@ -4,6 +4,8 @@ use miette::{Diagnostic, IntoDiagnostic, LabeledSpan, NamedSource, Report, Sourc
 
 use crate::evolve::EvolveError;
 use crate::exchange::{AggregateFileError, MeshFileError, UnknownFormat, WriteError};
+use crate::export::ExportError;
+use crate::report::figures::SaveError;
 use crate::scene::SceneError;
 use crate::shed::ShedError;
 use crate::store::StoreError;
@@ -93,6 +95,25 @@ impl From<StoreError> for CliError {
     fn from(error: StoreError) -> Self {
         let code = if error.is_write_failure() { Failure::Write } else { Failure::Input };
         Self::new(code, error)
+    }
+}
+
+impl From<SaveError> for CliError {
+    fn from(error: SaveError) -> Self {
+        match error {
+            SaveError::Write(error) => Self::write(error),
+            // The drawing library fails at nothing that depends on the run; whatever it is, no picture has been written.
+            SaveError::Figure(error) => Self::write(error),
+        }
+    }
+}
+
+impl From<ExportError> for CliError {
+    fn from(error: ExportError) -> Self {
+        match error {
+            ExportError::Write(error) => Self::write(error),
+            _ => Self::input(error),
+        }
     }
 }
 

@@ -7,6 +7,7 @@ mod arguments;
 mod build;
 mod classify;
 pub mod error;
+mod export;
 mod output;
 mod plan;
 mod progress;
@@ -62,6 +63,8 @@ enum Command {
     Report(report::Arguments),
     /// Name the types of spin and obliquity evolution in a run, with its statistics
     Classify(classify::Arguments),
+    /// Write what a run has recorded for other programs
+    Export(export::Arguments),
     /// Measure error against run time of the numerical knobs
     Accuracy(accuracy::Arguments),
 }
@@ -103,6 +106,7 @@ fn execute(cli: &Cli) -> Result<(), CliError> {
         Command::Track(arguments) => track::run(arguments, cli.json),
         Command::Report(arguments) => report::run(arguments, cli.json),
         Command::Classify(arguments) => classify::run(arguments, cli.json),
+        Command::Export(arguments) => export::run(arguments, cli.json),
         Command::Accuracy(arguments) => accuracy::run(arguments, cli.json),
     }
 }

@@ -1,13 +1,14 @@
-//! `yorp report DIR`: what a run looks like, as one page that opens from disk.
+//! `yorp report DIR`: what a run looks like, as one page that opens from disk, and its figures as files.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::{CliError, Failure, output, progress};
 use crate::exchange::{WriteError, write_whole};
-use crate::report::page::{Extras, page};
+use crate::report::figures::{FigureError, Missing, Plot, SaveError, of_run, of_runs, save, svg};
+use crate::report::page::{Extras, Picture, page};
 use crate::report::{RunData, Watched, watch};
 use crate::store::Outcome;
 
@@ -17,33 +18,110 @@ const LOOK_EVERY_S: u32 = 3;
 /// Arguments of `yorp report`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
-    /// The run directory
-    run: PathBuf,
-    /// Where the report goes [default: DIR/report]
-    #[arg(long, value_name = "DIR")]
+    /// The run directory; with several, the figures that put runs together, without a page
+    #[arg(required = true, value_name = "DIR")]
+    runs: Vec<PathBuf>,
+    /// Where the report goes; needed with several runs [default: DIR/report]
+    #[arg(long, value_name = "FOLDER")]
     out: Option<PathBuf>,
-    /// Write the report again whenever the run has got further, until it is at its end or Ctrl-C; the page reloads itself
+    /// Write the page again whenever the run has got further, until it is at its end or Ctrl-C; the page reloads itself
     #[arg(long)]
     watch: bool,
 }
 
 /// Writes the report.
 pub(super) fn run(arguments: &Arguments, as_json: bool) -> Result<(), CliError> {
-    let folder = arguments.out.clone().unwrap_or_else(|| arguments.run.join("report"));
-    let run = RunData::read(&arguments.run)?;
-    let failed = |source| CliError::write(WriteError { file: folder.clone(), source });
-    std::fs::create_dir_all(&folder).map_err(failed)?;
-    let written = if arguments.watch && !is_over(&run) {
-        match keep_up(&arguments.run, &folder)? {
-            (written, Watched::Over) => written,
-            (_, Watched::Stopped) => {
+    let (folder, directory) = match (&arguments.out, &arguments.runs[..]) {
+        (out, [run]) => (out.clone().unwrap_or_else(|| run.join("report")), run),
+        (None, _) => return Err(CliError::refused("a report on several runs needs --out FOLDER")),
+        (Some(_), _) if arguments.watch => return Err(CliError::refused("--watch is for one run")),
+        (Some(out), runs) => return several(runs, out, as_json),
+    };
+    let run = RunData::read(directory)?;
+    create(&folder)?;
+    let (run, written) = if arguments.watch && !is_over(&run) {
+        match keep_up(directory, &folder)? {
+            (run, written, Watched::Over) => (run, written),
+            (_, _, Watched::Stopped) => {
                 return Err(CliError { code: Failure::Interrupted, report: miette::Report::msg("interrupted") });
             }
         }
     } else {
-        write(&run, &folder, None)?
+        let written = write(&run, &folder, None)?;
+        (run, written)
     };
-    if as_json { output::json(&json!({"page": written})) } else { output::text(&format!("{}\n", written.display())) }
+    let figures = Figures::save(of_run(&run), &folder)?;
+    let page = written.display();
+    match as_json {
+        true => output::json(&figures.as_value(Some(&written))),
+        false => output::text(&format!("{page}\n{}", figures.as_text())),
+    }
+}
+
+/// The figures of several runs together.
+fn several(directories: &[PathBuf], folder: &Path, as_json: bool) -> Result<(), CliError> {
+    let runs = directories.iter().map(|run| RunData::read(run)).collect::<Result<Vec<_>, _>>()?;
+    let figures = Figures::save(of_runs(&runs), folder)?;
+    if as_json { output::json(&figures.as_value(None)) } else { output::text(&figures.as_text()) }
+}
+
+fn create(folder: &Path) -> Result<(), CliError> {
+    let failed = |source| CliError::write(WriteError { file: folder.to_owned(), source });
+    std::fs::create_dir_all(folder).map_err(failed)
+}
+
+/// Figures as files, and those that are not there.
+struct Figures {
+    folder: PathBuf,
+    drawn: Vec<([PathBuf; 2], Plot)>,
+    left_out: Vec<Missing>,
+}
+
+impl Figures {
+    /// Draws into `figures/` below `folder`; one that could be drawn by an earlier report and cannot now stays.
+    fn save(plots: Vec<Result<Plot, Missing>>, folder: &Path) -> Result<Self, CliError> {
+        let folder = folder.join("figures");
+        create(&folder)?;
+        let (mut drawn, mut left_out) = (Vec::new(), Vec::new());
+        for plot in plots {
+            match plot {
+                Ok(plot) => drawn.push((save(&plot, &folder)?, plot)),
+                Err(missing) => left_out.push(missing),
+            }
+        }
+        Ok(Self { folder, drawn, left_out })
+    }
+
+    fn as_value(&self, page: Option<&Path>) -> Value {
+        let figure = |([svg, png], plot): &([PathBuf; 2], Plot)| json!({"name": plot.name, "title": plot.title, "caption": plot.caption, "svg": svg, "png": png});
+        let left_out = |m: &Missing| json!({"name": m.name, "title": m.title, "reason": m.reason});
+        json!({
+            "page": page,
+            "figures": self.drawn.iter().map(figure).collect::<Vec<_>>(),
+            "left_out": self.left_out.iter().map(left_out).collect::<Vec<_>>(),
+        })
+    }
+
+    fn as_text(&self) -> String {
+        let mut lines: Vec<String> = Vec::new();
+        lines.extend(self.left_out.iter().map(|m| format!("no figure \"{}\": {}", m.title, m.reason)));
+        lines.push(format!("{} figures as SVG and PNG in {}", self.drawn.len(), self.folder.display()));
+        lines.join("\n") + "\n"
+    }
+}
+
+/// What stands in the page besides the run: its figures.
+fn extras(run: &RunData, fresh_every_s: Option<u32>) -> Result<Extras, FigureError> {
+    let mut extras = Extras { fresh_every_s, ..Extras::default() };
+    for plot in of_run(run) {
+        match plot {
+            Ok(plot) => {
+                extras.pictures.push(Picture { svg: svg(&plot)?, title: plot.title, caption: plot.caption });
+            }
+            Err(missing) => extras.left_out.push((missing.title.into(), missing.reason.into())),
+        }
+    }
+    Ok(extras)
 }
 
 /// Whether nothing will follow, unless a longer run is asked for.
@@ -52,7 +130,7 @@ fn is_over(run: &RunData) -> bool {
 }
 
 /// Writes the report of a run that goes on, again and again; in the end one that no longer reloads itself.
-fn keep_up(directory: &Path, folder: &Path) -> Result<(PathBuf, Watched), CliError> {
+fn keep_up(directory: &Path, folder: &Path) -> Result<(RunData, PathBuf, Watched), CliError> {
     progress::catch_interrupt()?;
     let again = || {
         let run = RunData::read(directory)?;
@@ -63,7 +141,9 @@ fn keep_up(directory: &Path, folder: &Path) -> Result<(PathBuf, Watched), CliErr
     };
     let every = Duration::from_secs(LOOK_EVERY_S.into());
     let watched = watch(directory, every, progress::is_interrupted, again)?;
-    Ok((write(&RunData::read(directory)?, folder, None)?, watched))
+    let run = RunData::read(directory)?;
+    let written = write(&run, folder, None)?;
+    Ok((run, written, watched))
 }
 
 /// Where a run stands, on a line of progress.
@@ -76,7 +156,7 @@ fn standing(run: &RunData) -> String {
 /// Writes the page, whole or not at all.
 fn write(run: &RunData, folder: &Path, fresh_every_s: Option<u32>) -> Result<PathBuf, CliError> {
     let file = folder.join("index.html");
-    let text = page(run, &Extras { fresh_every_s, ..Extras::default() });
+    let text = page(run, &extras(run, fresh_every_s).map_err(SaveError::from)?);
     write_whole(&file, text.as_bytes())?;
     Ok(file)
 }

@@ -12,20 +12,61 @@ use tiling::Mesh;
 /// In ParaView, a sphere glyph scaled by `radius_m` with factor 2 shows it.
 pub fn spheres_vtp(spheres: &Spheres) -> Vec<u8> {
     let count = spheres.len();
-    let mut arrays = Arrays::default();
-    let vectors = |of: fn(&Spheres, usize) -> [f64; 3]| (0..count).flat_map(move |i| of(spheres, i));
-    let point_data = [
-        arrays.floats("radius_m", 1, spheres.radius.iter().copied()),
-        arrays.floats("mass_kg", 1, spheres.mass.iter().copied()),
-        arrays.floats("velocity_m_s", 3, vectors(Spheres::velocity)),
-        arrays.floats("spin_rad_s", 3, vectors(Spheres::spin)),
-        arrays.integers("sphere", 0..count as i64),
+    let vectors = |of: fn(&Spheres, usize) -> [f64; 3]| (0..count).map(|i| of(spheres, i)).collect::<Vec<_>>();
+    let arrays = [
+        PointArray::Numbers("radius_m", spheres.radius.clone()),
+        PointArray::Numbers("mass_kg", spheres.mass.clone()),
+        PointArray::Vectors("velocity_m_s", vectors(Spheres::velocity)),
+        PointArray::Vectors("spin_rad_s", vectors(Spheres::spin)),
+        PointArray::Whole("sphere", (0..count as i64).collect()),
     ];
-    let points = arrays.floats("points_m", 3, vectors(Spheres::position));
+    points_vtp(&vectors(Spheres::position), &arrays)
+}
+
+/// Data of points: a name with its unit, and a value for each point.
+#[derive(Debug, Clone, PartialEq)]
+pub enum PointArray {
+    /// Numbers.
+    Numbers(&'static str, Vec<f64>),
+    /// Vectors.
+    Vectors(&'static str, Vec<[f64; 3]>),
+    /// Whole numbers.
+    Whole(&'static str, Vec<i64>),
+}
+
+/// Points (and vertex cells) with data; the first array is the one shown at first.
+///
+/// # Panics
+/// If an array is not as long as the points.
+pub fn points_vtp(points: &[[f64; 3]], data: &[PointArray]) -> Vec<u8> {
+    let count = points.len();
+    let mut arrays = Arrays::default();
+    let point_data: Vec<String> = data
+        .iter()
+        .map(|array| match array {
+            PointArray::Numbers(name, values) => {
+                assert_eq!(values.len(), count, "{name}");
+                arrays.floats(name, 1, values.iter().copied())
+            }
+            PointArray::Vectors(name, values) => {
+                assert_eq!(values.len(), count, "{name}");
+                arrays.floats(name, 3, values.iter().flatten().copied())
+            }
+            PointArray::Whole(name, values) => {
+                assert_eq!(values.len(), count, "{name}");
+                arrays.integers(name, values.iter().copied())
+            }
+        })
+        .collect();
+    let shown = match data.first() {
+        Some(PointArray::Numbers(name, _) | PointArray::Whole(name, _)) => format!(" Scalars=\"{name}\""),
+        _ => String::new(),
+    };
+    let points = arrays.floats("points_m", 3, points.iter().flatten().copied());
     let cells = [arrays.integers("connectivity", 0..count as i64), arrays.integers("offsets", 1..=count as i64)];
     let piece = format!(
         "<Piece NumberOfPoints=\"{count}\" NumberOfVerts=\"{count}\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"0\">\n\
-         <PointData Scalars=\"radius_m\">\n{}</PointData>\n<Points>\n{points}</Points>\n<Verts>\n{}</Verts>\n</Piece>",
+         <PointData{shown}>\n{}</PointData>\n<Points>\n{points}</Points>\n<Verts>\n{}</Verts>\n</Piece>",
         point_data.concat(),
         cells.concat()
     );

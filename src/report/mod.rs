@@ -1,6 +1,7 @@
 //! What a run looks like: everything that its database holds, figures of it, and a page.
 
 mod data;
+pub mod figures;
 pub mod page;
 mod watch;
 

@@ -1,0 +1,78 @@
+//! Torque curves of all configurations: both components over the moment of inertia, against obliquity.
+//!
+//! After Figures 6 and 9 of Cotto-Figueroa et al. (2015), ApJ 803, 25, whose unit this is.
+
+use super::palette::{BLACK, GREY, sequential};
+use super::plot::{Axis, ColourBar, Kind, Layer, LegendEntry, Missing, Panel, Plot, extent};
+use crate::report::RunData;
+use crate::store::ConfigurationRecord;
+
+const NAME: &str = "torque";
+const TITLE: &str = "Torque curves";
+/// 10^-18 s^-2.
+const UNIT: f64 = 1e-18;
+/// More curves than this nobody can tell apart; evenly chosen ones are drawn.
+const CURVES: usize = 400;
+
+/// The figure of one run.
+///
+/// # Errors
+/// Before object 0 there are no torques.
+pub fn plot(run: &RunData) -> Result<Plot, Missing> {
+    if run.configurations.is_empty() {
+        return Err(Missing::new(NAME, TITLE, "there is no tiled body yet"));
+    }
+    let last = run.configurations.len() - 1;
+    let every = run.configurations.len().div_ceil(CURVES);
+    let drawn: Vec<&ConfigurationRecord> =
+        run.configurations.iter().filter(|c| (c.configuration as usize).is_multiple_of(every)).collect();
+    let met = extent(run.accepted_legs().flat_map(|leg| leg.obliquity).map(f64::to_degrees));
+    let panel = |label: &str, of: fn(&ConfigurationRecord) -> &[f64]| {
+        let curve = |c: &ConfigurationRecord| -> Vec<[f64; 2]> {
+            let values = nearest_spin_row(c, of(c)).iter().map(|t| t / c.moments_kg_m2[2] / UNIT);
+            c.torque.obliquity.iter().map(|o| o.to_degrees()).zip(values).map(|(o, t)| [o, t]).collect()
+        };
+        let curves: Vec<_> = drawn.iter().map(|c| (c.configuration, curve(c))).collect();
+        let y = Axis::around(label, curves.iter().flat_map(|(_, curve)| curve.iter().map(|p| p[1])).chain([0.0]));
+        let mut layers = vec![Layer::line(vec![[0.0, 0.0], [180.0, 0.0]], 1.0, BLACK)];
+        let width = if curves.len() > 20 { 1.2 } else { 1.8 };
+        for (number, points) in curves {
+            layers.push(Layer::line(points, width, sequential(f64::from(number) / last.max(1) as f64)));
+        }
+        if !run.legs.is_empty() {
+            for edge in met {
+                let points = vec![[edge, y.range[0]], [edge, y.range[1]]];
+                layers.push(Layer { points, kind: Kind::Dashed(1.2), colour: GREY });
+            }
+        }
+        Panel { x: Axis::obliquity(), y, layers }
+    };
+    let rows = vec![
+        vec![panel("Spin torque / C (10⁻¹⁸ s⁻²)", |c| &c.torque.spin_torque)],
+        vec![panel("Obliquity torque / C (10⁻¹⁸ s⁻²)", |c| &c.torque.obliquity_torque)],
+    ];
+    let left_out = match every {
+        1 => String::new(),
+        n => format!(" Of the {} curves every {n}th is drawn.", run.configurations.len()),
+    };
+    let met_entry = LegendEntry { label: "obliquities met".into(), kind: Kind::Dashed(1.2), colour: GREY };
+    Ok(Plot {
+        name: NAME,
+        title: TITLE.into(),
+        caption: format!(
+            "Both torque components over the largest moment of inertia C, for every configuration of the body; \
+             the body stayed between the dashed lines.{left_out}"
+        ),
+        rows,
+        panel_height: 260.0,
+        legend: if run.legs.is_empty() { Vec::new() } else { vec![met_entry] },
+        colour_bar: (last > 0).then_some(ColourBar { label: "configuration", last: last as u32 }),
+    })
+}
+
+/// Torques at the spin node in the middle: with thermal inertia the table has several, and one is shown.
+fn nearest_spin_row<'a>(c: &ConfigurationRecord, values: &'a [f64]) -> &'a [f64] {
+    let nodes = c.torque.obliquity.len();
+    let row = c.torque.spin_rate.len() / 2;
+    values.get(row * nodes..(row + 1) * nodes).unwrap_or_default()
+}
