@@ -227,3 +227,31 @@ fn sizes_of_one_to_thirty_two_live_together() {
     assert_eq!(report.contacts, 600, "{report:?}");
     assert!(report.max_overlap_over_radius < 0.01, "{report:?}");
 }
+
+/// Contacts oblique to the spin must not be seen to slip because they turn: springs would be stretched without end, and
+/// drive the body.
+#[test]
+fn a_pile_that_turns_at_rest_makes_neither_energy_nor_heat() {
+    let mut body = ellipsoid_packing(&EllipsoidPacking {
+        count: 200,
+        grain: GRAIN,
+        b_over_a: 0.7,
+        c_over_a: 0.7,
+        packing_fraction: PACKING_FRACTION,
+        seed: Seed::default(),
+    })
+    .unwrap();
+    set_rigid_rotation(&mut body, Vector3::z() * (std::f64::consts::TAU / 18_000.0)).unwrap();
+    let mut soft = SoftSphere::new(SoftSphereParameters {
+        normal_stiffness_n_m: Some(2.6e7),
+        gravity: Gravity::EveryStep,
+        ledger: true,
+        ..SoftSphereParameters::default()
+    });
+    for _ in 0..3 {
+        soft.evolve(&mut body, 9000.0).unwrap();
+    }
+    let ledger = soft.evolve(&mut body, 9000.0).unwrap().ledger.unwrap();
+    let scale = ledger.start.kinetic_j;
+    assert!(ledger.residual_j().abs() < 1e-8 * scale && ledger.dissipated_j() < 1e-6 * scale, "{ledger:?}");
+}

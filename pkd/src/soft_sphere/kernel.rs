@@ -122,14 +122,17 @@ pub(super) unsafe fn contacts<V: Lanes, const MODEL: u8, const COHESIVE: bool, c
                 let (w_sum, w_dif) = sum_and_difference::<V>(&pi, &pj, record::PREDICTED_SPIN);
                 let u = (dv - n.times(u_n)) - weighted(w_sum, w_dif, arms).cross(n);
 
-                // The same in the middle of the step, and the direction at its start.
+                // The same in the middle of the step, and the direction at its start. The direction goes with the velocities:
+                // that at the end would see contacts slip that only turn, by half a step of turning, always the same way.
                 let dv = difference::<V>(&pi, &pj, record::VELOCITY);
                 let (w_sum_mid, w_dif_mid) = sum_and_difference::<V>(&pi, &pj, record::SPIN);
-                let u_mid = (dv - n.times(dv.dot(n))) - weighted(w_sum_mid, w_dif_mid, arms).cross(n);
                 let old = r - dv.times(h);
                 let old2 = old.dot(old);
                 let was = old2.less(s * s);
                 let old = old.times(one / old2.sqrt());
+                let mid = (old + n).times(half);
+                let u_mid = (dv - mid.times(dv.dot(mid))) - weighted(w_sum_mid, w_dif_mid, arms).cross(mid);
+                let u_mid = u_mid - n.times(u_mid.dot(n));
                 let turn = Turn::new(old, n, Wide::<V>::splat(0.25 * step) * w_sum_mid.dot(n));
 
                 let at = |k: usize| field.add((memory + k) * WIDE);
