@@ -102,7 +102,7 @@ pub enum Gravity {
     /// Evaluated anew when a sphere has moved, against the rigid motion of the body, by this fraction of its radius
     /// (0 < tolerance <= 0.1); in between the field turns with the body. Net force and torque are kept at zero.
     BodyFrame {
-        /// The fraction \[0.01\], which keeps the error of the field below 1e-3.
+        /// The fraction \[0.01\]: an error of the field of 1.5e-3 while a thousand spheres fall together, less at rest.
         tolerance: f64,
     },
 }
