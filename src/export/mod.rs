@@ -32,7 +32,7 @@ pub enum Format {
     Vtk,
     /// `NNNN.obj`: the tiling of each configuration in its body frame, z the spin axis, as `yorp torque` reads it.
     Obj,
-    /// `run.npz`: all tables and shapes as arrays, see [`npz::npz`].
+    /// `run.npz`: all tables and shapes as arrays.
     Npz,
 }
 
