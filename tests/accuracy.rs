@@ -17,6 +17,10 @@ fn quick_accuracy_prints_one_curve_per_knob_and_writes_figure_and_page() {
     let names: Vec<_> = knobs.iter().map(|k| k["name"].as_str().expect("a name")).collect();
     let expected = [
         "hard_sphere_step",
+        "steps_per_contact",
+        "field_tolerance",
+        "skin",
+        "force_error",
         "facets",
         "azimuth_bins",
         "declination_nodes",

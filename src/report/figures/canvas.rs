@@ -83,7 +83,11 @@ impl<'a, B: DrawingBackend> Canvas<'a, B> {
         if dots.len() < 2 {
             return Ok(());
         }
-        self.area.draw(&PathElement::new(dots, style)).map_err(failed)
+        if self.lift == 0.0 {
+            return self.area.draw(&PathElement::new(dots, style)).map_err(failed);
+        }
+        // Bitmaps fill a line's outline, and where it crosses itself leave holes: each piece is drawn alone.
+        dots.windows(2).try_for_each(|piece| self.area.draw(&PathElement::new(piece.to_vec(), style)).map_err(failed))
     }
 
     /// A line of dashes.

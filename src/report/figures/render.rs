@@ -21,7 +21,7 @@ const GAP: f64 = 14.0;
 /// A row of the legend.
 const LEGEND_ROW: f64 = 24.0;
 /// Room for the colour scale.
-const BAR_WIDTH: f64 = 84.0;
+const BAR_WIDTH: f64 = 92.0;
 /// Tick labels and axis label below a panel.
 const BELOW: f64 = 56.0;
 
@@ -386,7 +386,7 @@ fn draw_colour_bar<B: DrawingBackend>(
         let words = format!("{}", tick.value);
         canvas.text(&words, [left + 22.0, y(place)], Anchor::Left, TICK_TEXT)?;
     }
-    canvas.text(label, [left + 62.0, (top + bottom) / 2.0], Anchor::Rotated, LABEL_TEXT)
+    canvas.text(label, [left + 70.0, (top + bottom) / 2.0], Anchor::Rotated, LABEL_TEXT)
 }
 
 #[cfg(test)]

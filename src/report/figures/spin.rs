@@ -97,7 +97,7 @@ impl Shown {
             true => own.chain(rigid.iter().map(|p| p[1])).collect(),
             false => own.collect(),
         };
-        let mut layers = vec![Layer::line(rigid, 1.4, BLACK)];
+        let mut layers = if with_rigid { vec![Layer::line(rigid, 1.4, BLACK)] } else { Vec::new() };
         let last = run.configurations.len().saturating_sub(1).max(1);
         for stretch in stretches {
             let points = stretch.points.iter().map(|p| [p[0], (self.value)(p)]).collect();
