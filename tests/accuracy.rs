@@ -38,7 +38,8 @@ fn quick_accuracy_prints_one_curve_per_knob_and_writes_figure_and_page() {
         let points = knob["points"].as_array().expect("a list");
         assert!(points.iter().any(|p| p["value"] == knob["default"]), "{knob}");
         for point in points {
-            assert!(point["error"].as_f64() > Some(0.0) && point["seconds"].as_f64() > Some(0.0), "{point}");
+            // The skin of the neighbour lists may change nothing at all.
+            assert!(point["error"].as_f64() >= Some(0.0) && point["seconds"].as_f64() > Some(0.0), "{point}");
         }
     }
     let read = |name: &str| std::fs::read(folder.path().join(name)).expect(name);
