@@ -167,12 +167,13 @@ impl Default for Question {
 pub struct BriefQuestion {
     /// Rotations of the shortest look (default 0.1).
     pub glance_rotations: f64,
-    /// Rotations of the first look after a movement, and of the blocks in which a movement is followed (default 1).
+    /// Rotations of the blocks in which a movement is followed (default 1). Looks are half as long each time that
+    /// nothing stirs, beginning after the block of rest that ends a movement.
     pub block_rotations: f64,
     /// The body is at rest while no sphere has shifted by more than this fraction of what counts as a movement, in a
     /// block or in all looks since it was last found at rest (default 0.5; rattling of loose spheres reaches 0.3).
     pub rest_fraction: f64,
-    /// Relative change of the spin rate after which the next look has its first length again (default 0.05).
+    /// Relative change of the spin rate after which the next look is a whole block again (default 0.05).
     pub spin_change: f64,
 }
 

@@ -85,7 +85,7 @@ impl Plan {
             Question::Brief(brief) => on(
                 "question",
                 format!(
-                    "{} rotations after a movement, then half as long each time down to {}",
+                    "blocks of {} rotations after a movement, then half as long each time down to {}",
                     brief.block_rotations, brief.glance_rotations
                 ),
                 format!(
