@@ -1,0 +1,127 @@
+"""The brief question beside the full one, and what moves without sunlight: bodies from one settled file each, and that file moved by 1e-9 m.
+
+    python3 docs/results/handoff_question.py run 02=0.1 04=0.5     # builds the bodies, then runs of so many Myr
+    python3 docs/results/handoff_question.py table                 # what they show
+    python3 docs/results/handoff_question.py creep 02 04           # the same bodies without sunlight
+
+The dynamics is chaotic: what the brief question changes is judged against what 1e-9 m change. Everything is in
+out/handoff_question (--out) and is resumed where it is there already. Needs nothing but Python.
+"""
+
+import argparse
+import concurrent.futures
+import csv
+import json
+import pathlib
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PERTURBATION_M = 1e-9
+VARIANTS = {name: (question, copy) for question in ("full", "brief") for copy, name in enumerate((question, f"{question}, perturbed"))}
+
+
+def yorp(options, *arguments):
+    """Runs the program on one thread; its JSON answer, or the end if it fails."""
+    done = subprocess.run([options.yorp, *map(str, arguments), "--threads", "1", "--json"], capture_output=True, text=True)
+    if done.returncode:
+        sys.exit(f"yorp {' '.join(map(str, arguments))}: {done.stderr.strip().splitlines()[-1]}")
+    return json.loads(done.stdout)
+
+
+def body(options, name, copy):
+    """The settled body of a scene, or its copy 1 with centres moved by 1e-9 m."""
+    path = options.out / f"{name}-{copy}.csv"
+    if path.exists():
+        return path
+    if copy == 0:
+        yorp(options, "build", options.scenes / f"{name}.json", "--out", path)
+        return path
+    header, *rows = csv.reader(body(options, name, 0).read_text().splitlines())
+    column = header.index("x_m")
+    for k, row in enumerate(rows):
+        row[column] = repr(float(row[column]) + (-1) ** k * PERTURBATION_M)
+    path.write_text("".join(",".join(row) + "\n" for row in [header, *rows]))
+    return path
+
+
+def scene(options, name, question, copy):
+    """The scene with that body and that question; a settled body needs one block of settling."""
+    text = json.loads((options.scenes / f"{name}.json").read_text())
+    text["body"] = {"file": {"path": body(options, name, copy).name}}
+    text["settling"]["question"] = question
+    path = options.out / f"{name}-{question}-{copy}.json"
+    path.write_text(json.dumps(text, indent=2))
+    return path
+
+
+def run(options):
+    """All variants of all bodies, as many at a time as there are jobs."""
+    goals = {name: float(myr or 0.1) for name, _, myr in (word.partition("=") for word in options.names)}
+    with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
+        list(pool.map(lambda name: body(options, name, 1), goals))
+        tasks = [(name, *variant) for name in goals for variant in VARIANTS.values()]
+        list(pool.map(lambda task: advance(options, goals[task[0]], *task), tasks))
+
+
+def advance(options, myr, name, question, copy):
+    directory = options.out / f"{name}-{question}-{copy}"
+    resume = ["--resume"] if (directory / "run.sqlite").exists() else []
+    yorp(options, "run", scene(options, name, question, copy), "--out", directory, "--until-myr", myr, *resume)
+
+
+def table(options):
+    """Movements by body and question."""
+    print("| body | question | Myr | hand-offs | movements | a Myr | spheres: median, mean | inner half | outer tenth | CPU s a check | a movement |")
+    print("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |")
+    for path in sorted(options.out.glob("*-0.csv")):
+        name = path.stem[:-2]
+        for label, (question, copy) in VARIANTS.items():
+            directory = options.out / f"{name}-{question}-{copy}"
+            if (directory / "run.sqlite").exists():
+                print(row(name, label, yorp(options, "classify", directory)))
+
+
+def row(name, label, found):
+    movements, cost, spheres = found["movements"], found["cost"], found["movements"]["spheres"]
+    number = lambda value, form: "-" if value is None else format(value, form)
+    cells = [
+        name, label, f"{found['t_myr']:.2f}", cost["checks"] + cost["movements"], movements["count"],
+        f"{movements['count'] / found['t_myr']:.0f}" if found["t_myr"] > 0 else "-",
+        f"{number(spheres['median'], '.0f')}, {number(spheres['mean'], '.0f')}",
+        number(movements["inner_half"], ".2f"), number(movements["outer_tenth"], ".2f"),
+        number(cost["cpu_seconds_per_check"], ".1f"), number(cost["cpu_seconds_per_movement"], ".1f"),
+    ]  # fmt: skip
+    return "| " + " | ".join(map(str, cells)) + " |"
+
+
+def creep(options):
+    """Spheres that move in each of four successive stretches of five rotations without sunlight, the spin left alone."""
+    print("| body | moved in each five rotations | the same, perturbed |")
+    print("| --- | --- | --- |")
+    for name in options.names:
+        cells = []
+        for copy in (0, 1):
+            here, moved = body(options, name, copy), []
+            for stretch in range(4):
+                there = options.out / f"{name}-{copy}-alone-{stretch}.csv"
+                moved.append(yorp(options, "relax", here, "--rotations", 5, "--out", there)["moved_spheres"])
+                here = there
+            cells.append(", ".join(map(str, moved)))
+        print(f"| {name} | {' | '.join(cells)} |", flush=True)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("verb", choices=["run", "table", "creep"])
+    parser.add_argument("names", nargs="*", help="scenes: NAME, or NAME=MYR")
+    parser.add_argument("--out", type=pathlib.Path, default=ROOT / "out" / "handoff_question")
+    parser.add_argument("--scenes", type=pathlib.Path, default=ROOT / "scenarios" / "cotto_figueroa_2015")
+    parser.add_argument("--yorp", type=pathlib.Path, default=ROOT / "target" / "release" / "yorp")
+    parser.add_argument("--jobs", type=int, default=1, help="runs at a time")
+    options = parser.parse_args()
+    options.out.mkdir(parents=True, exist_ok=True)
+    {"run": run, "table": table, "creep": creep}[options.verb](options)
+
+
+main()
