@@ -579,6 +579,7 @@ ITEMS = [
     "spin at loss, rev/day: range, mean",
     "mass of an event, %",
     "events below the Jacobi sequence",
+    "shed spheres that escaped, fell back, stayed in orbit, merged",
     "movements a Myr",
     "spheres in a movement: median, mean",
     "interval between movements, kyr: quartiles",
@@ -599,7 +600,7 @@ def paper_values(names):
     rows = [TABLE_2[name] for name in names]
     count = lambda types: ", ".join(str(sum(kind in t for t in types)) for kind in KINDS)
     of = lambda condition: f"{sum(map(condition, rows))} of {len(rows)}"
-    text = ["5.2 to 6.3, 5.6", "0.1 to 2.0", "all", "-", "-", "a few 10", "-", "slightly over half", "slightly over half", "25 to 40", "15 to 25", "13 of 16", "5 of 5", "5 of 5"]
+    text = ["5.2 to 6.3, 5.6", "0.1 to 2.0", "all", "-", "-", "-", "a few 10", "-", "slightly over half", "slightly over half", "25 to 40", "15 to 25", "13 of 16", "5 of 5", "5 of 5"]
     return [
         f"{len(rows)}, {statistics.mean(r[8] for r in rows):.2f}",
         of(lambda r: r[5] > 6.6),
@@ -663,6 +664,7 @@ def item_values(runs, intervals, losses):
         f"{spread(spins, '.1f')}, {statistics.mean(spins):.1f}" if spins else "-",
         spread([e["mass_percent"] for e in events], ".1f"),
         of(sum(bool(e["below_jacobi"]) for e in events), len(events)) if events else "-",
+        ", ".join(str(sum(r["losses"]["fates"][fate] for r in runs)) for fate in ("escape", "reimpact", "bound", "merged")) if events else "-",
         f"{sum(r['movements']['count'] for r in runs) / sum(r['t_myr'] for r in runs):.0f}",
         sizes(runs),
         quartiles,

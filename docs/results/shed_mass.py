@@ -15,30 +15,33 @@ import subprocess
 import sys
 import time
 
-BODIES = {  # name: spheres, b/a, c/a
-    "prolate": (300, 0.5, 0.5),
-    "row 7": (300, 0.7, 0.7),
-    "round": (300, 1.0, 0.95),
+SOFT = {"soft_sphere": {"preset": "zhang_2017"}}
+BODIES = {  # name: b/a, c/a, contact, periods in hours
+    "prolate": (0.5, 0.5, None, [3.2, 2.8, 2.5]),
+    "row 7": (0.7, 0.7, None, [3.2, 2.8, 2.5]),
+    "round": (1.0, 0.95, None, [3.2, 2.8, 2.5]),
+    "round, with friction": (1.0, 0.95, SOFT, [2.5, 2.3, 2.1]),
 }
-PERIODS_H = [3.2, 2.8, 2.5]
 
 
 def run(*command):
     subprocess.run([str(c) for c in command], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
 
-def scene(folder, name, body, period_h, seed=1):
+def scene(folder, name, body, period_h, contact=None):
     path = folder / f"{name}.json"
     text = {
         "format": 1,
         "name": name,
-        "seed": seed,
+        "seed": 1,
         "body": body,
         "spin": {"period_h": period_h, "obliquity_deg": 5},
         "settling": {"rotations": 5, "max_rotations": 10},
         "tiling": {"facets": 196},
         "shed": {"track": {"rebound": {}}},
     }
+    if contact:
+        text["contact"] = contact
     path.write_text(json.dumps(text))
     return path
 
@@ -48,8 +51,8 @@ def main():
     out.mkdir(parents=True, exist_ok=True)
     print("| body | period, h | shed | fell back | escaped | in orbit | merged | speed at fall, m/s | s |")
     print("| --- | --- | --- | --- | --- | --- | --- | --- | --- |")
-    for name, (spheres, b, c) in BODIES.items():
-        packed = {"packed_ellipsoid": {"spheres": spheres, "radius_m": 75.0, "grain_density_kg_m3": 2960, "b_over_a": b, "c_over_a": c}}
+    for name, (b, c, contact, periods_h) in BODIES.items():
+        packed = {"packed_ellipsoid": {"spheres": 300, "radius_m": 75.0, "grain_density_kg_m3": 2960, "b_over_a": b, "c_over_a": c}}
         aggregate = out / f"{name}.csv"
         run(yorp, "build", scene(out, f"{name} build", packed, 8.0), "--out", aggregate)
         rows = list(csv.DictReader(aggregate.open()))
@@ -58,9 +61,9 @@ def main():
         with still.open("w") as file:
             file.write(",".join(keep) + "\n")
             file.writelines(",".join(row[k] for k in keep) + "\n" for row in rows)
-        for period_h in PERIODS_H:
+        for period_h in periods_h:
             directory = out / f"{name} {period_h}"
-            path = scene(out, f"{name} {period_h}", {"file": {"path": still.name}}, period_h)
+            path = scene(out, f"{name} {period_h}", {"file": {"path": still.name}}, period_h, contact)
             began = time.time()
             try:
                 run(yorp, "run", path, "--out", directory, "--until-myr", 0, "--resume")

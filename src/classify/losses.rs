@@ -52,6 +52,27 @@ pub struct LossEvent {
     pub breakup: bool,
 }
 
+/// What became of spheres that left, as far as the scene asked to follow them.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
+pub struct Fates {
+    /// Fell back, whether or not they were put back on the body.
+    pub reimpact: usize,
+    /// Left for good.
+    pub escape: usize,
+    /// Still in orbit when the following ended.
+    pub bound: usize,
+    /// Fell on another shed sphere, and went on with it.
+    pub merged: usize,
+}
+
+impl Fates {
+    /// Of the spheres shed in the run, without those of the settling.
+    fn of(run: &RunData) -> Self {
+        let count = |name| run.fates.iter().filter(|(leg, f)| leg.is_some() && f.fate == name).count();
+        Self { reimpact: count("reimpact"), escape: count("escape"), bound: count("bound"), merged: count("merged") }
+    }
+}
+
 /// All mass loss of a run.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Losses {
@@ -69,6 +90,8 @@ pub struct Losses {
     pub density_kg_m3: Distribution,
     /// b/a (B2) at the events.
     pub b_over_a: Distribution,
+    /// What became of the spheres that left.
+    pub fates: Fates,
     /// Spheres that left while the body settled, before the run began.
     pub spheres_while_settling: usize,
 }
@@ -113,6 +136,7 @@ impl Losses {
             spin_rev_day: Distribution::of(small().map(|e| e.spin_rev_day)),
             density_kg_m3: Distribution::of(small().map(|e| e.density_kg_m3)),
             b_over_a: Distribution::of(small().map(|e| e.b_over_a)),
+            fates: Fates::of(run),
             spheres_while_settling: run.losses.len() - shed.len(),
             events,
         }

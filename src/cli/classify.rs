@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use super::{CliError, output};
-use crate::classify::{RunClassification, Verdict, classify_run};
+use crate::classify::{Fates, RunClassification, Verdict, classify_run};
 
 /// Arguments of `yorp classify`.
 #[derive(Debug, clap::Args)]
@@ -80,6 +80,10 @@ fn as_text(found: &RunClassification) -> String {
                 event.c_over_a
             );
         }
+    }
+    let Fates { reimpact, escape, bound, merged } = losses.fates;
+    if reimpact + escape + bound + merged > 0 {
+        let _ = writeln!(text, "followed   {escape} escaped, {reimpact} fell back, {bound} in orbit, {merged} merged");
     }
     if let (Some(start), Some(end)) = (found.shape.start, found.shape.end) {
         let (from, to) = (start.half_extents, end.half_extents);
