@@ -2,9 +2,11 @@
 
 use std::ffi::OsStr;
 use std::path::Path;
-use std::process::{Command, Output};
 
+use common::{ask, file, json, refused};
 use serde_json::Value;
+
+mod common;
 
 const SCENE: &str = r#"{
   "body": {"packed_ellipsoid": {"spheres": 60, "radius_m": 50.2, "grain_density_kg_m3": 2960, "b_over_a": 0.8, "c_over_a": 0.7}},
@@ -12,39 +14,21 @@ const SCENE: &str = r#"{
   "torque": {"obliquity_step_deg": 30}
 }"#;
 
-fn yorp(arguments: &[&dyn AsRef<OsStr>]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_yorp")).args(arguments.iter().map(|a| a.as_ref())).output().unwrap()
-}
-
-fn json(output: &Output) -> Value {
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).unwrap()
-}
-
-fn refused(output: &Output, message: &str) {
-    let stderr = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(2), "{stderr}");
-    assert!(stderr.contains(message), "{stderr}");
-    assert!(output.stdout.is_empty());
-}
-
 fn scene(folder: &Path) -> std::path::PathBuf {
-    let file = folder.join("scene.json");
-    std::fs::write(&file, SCENE).unwrap();
-    file
+    file(folder, "scene.json", SCENE)
 }
 
 #[test]
 fn a_built_aggregate_relaxes_alone_and_conserves_what_it_should() {
     let folder = tempfile::tempdir().unwrap();
     let body = folder.path().join("body.csv");
-    let built = json(&yorp(&[&"build", &scene(folder.path()), &"--out", &body, &"--json"]));
+    let built = json(&ask(&[&"build", &scene(folder.path()), &"--out", &body, &"--json"]));
     assert_eq!(built["spheres"], 60);
     for ratio in [1, 2].map(|k| built["b1_axes_m"][k].as_f64().unwrap() / built["b1_axes_m"][0].as_f64().unwrap()) {
         assert!((0.6..=0.9).contains(&ratio), "{built}");
     }
     let after = folder.path().join("after.vtp");
-    let relaxed = json(&yorp(&[&"relax", &body, &"--rotations", &"0.5", &"--out", &after, &"--json"]));
+    let relaxed = json(&ask(&[&"relax", &body, &"--rotations", &"0.5", &"--out", &after, &"--json"]));
     let number = |key: &str| relaxed[key].as_f64().unwrap_or_else(|| panic!("{key} in {relaxed}"));
     assert!(number("angular_momentum_drift") < 1e-12 && number("momentum_drift") < 1e-12, "{relaxed}");
     assert!(number("max_overlap_over_radius") < 1e-6 && number("contacts_per_sphere") > 3.0, "{relaxed}");
@@ -62,10 +46,10 @@ fn a_period_on_the_command_line_replaces_the_motion_in_the_file() {
     let folder = tempfile::tempdir().unwrap();
     let pair = folder.path().join("pair.csv");
     std::fs::write(&pair, "x_m,y_m,z_m,mass_kg,radius_m\n-50,0,0,1e9,50\n50,0,0,1e9,50\n").unwrap();
-    refused(&yorp(&[&"relax", &pair, &"--rotations", &"1"]), "does not rotate");
-    let result = json(&yorp(&[&"relax", &pair, &"--rotations", &"1", &"--period-h", &"10", &"--json"]));
+    refused(&ask(&[&"relax", &pair, &"--rotations", &"1"]), 2, "does not rotate");
+    let result = json(&ask(&[&"relax", &pair, &"--rotations", &"1", &"--period-h", &"10", &"--json"]));
     assert_eq!(result["moved_spheres"], 0);
-    let still = json(&yorp(&[&"relax", &pair, &"--duration-s", &"100", &"--gravity", &"off", &"--json"]));
+    let still = json(&ask(&[&"relax", &pair, &"--duration-s", &"100", &"--gravity", &"off", &"--json"]));
     assert_eq!((&still["collisions"], &still["angular_momentum_drift"]), (&Value::from(0), &Value::Null));
 }
 
@@ -74,22 +58,22 @@ fn wrong_aggregates_and_flags_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("body.csv");
     std::fs::write(&file, "x_m,y_m,z_m,mass_kg,radius_m\n0,0,0,1e9,-50\n").unwrap();
-    refused(&yorp(&[&"relax", &file, &"--duration-s", &"10"]), "radius");
-    refused(&yorp(&[&"relax", &file]), "--duration-s");
-    refused(&yorp(&[&"relax", &file, &"--duration-s", &"-1"]), "above 0");
-    refused(&yorp(&[&"build", &scene(folder.path()), &"--out", &folder.path().join("body.xyz")]), ".csv");
+    refused(&ask(&[&"relax", &file, &"--duration-s", &"10"]), 2, "radius");
+    refused(&ask(&[&"relax", &file]), 2, "--duration-s");
+    refused(&ask(&[&"relax", &file, &"--duration-s", &"-1"]), 2, "above 0");
+    refused(&ask(&[&"build", &scene(folder.path()), &"--out", &folder.path().join("body.xyz")]), 2, ".csv");
 }
 
 #[test]
 fn the_cycle_of_a_rigid_body_ends_and_says_how() {
     let top = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/shapes/top.obj");
-    let cycle = json(&yorp(&[&"rigid", &top, &"--period-h", &"5", &"--obliquity-deg", &"20", &"--json"]));
+    let cycle = json(&ask(&[&"rigid", &top, &"--period-h", &"5", &"--obliquity-deg", &"20", &"--json"]));
     let end = cycle["end"].as_str().unwrap();
     assert!(["spun_down", "infinite_spin_up", "stalled", "time_limit"].contains(&end), "{end}");
     let spin = cycle["spin_rev_day"].as_array().unwrap();
     assert!((spin[0].as_f64().unwrap() - 4.8).abs() < 1e-12);
     let folder = tempfile::tempdir().unwrap();
-    let of_scene = json(&yorp(&[&"rigid", &scene(folder.path()), &"--json"]));
+    let of_scene = json(&ask(&[&"rigid", &scene(folder.path()), &"--json"]));
     assert!(of_scene["max_spin_rev_day"].is_number() || of_scene["end"] == "infinite_spin_up");
     assert!(of_scene["spin_limit_rev_day"].as_f64().unwrap() > 5.0);
 }
@@ -102,7 +86,7 @@ fn both_integrators_follow_the_same_cycle_and_write_it_as_a_table() {
     std::fs::write(&shape, tetrahedron).unwrap();
     let follow = |arguments: &[&dyn AsRef<OsStr>]| {
         let common: [&dyn AsRef<OsStr>; 5] = [&"rigid", &shape, &"--json", &"--out", &table];
-        json(&yorp(&[&common[..], arguments].concat()))
+        json(&ask(&[&common[..], arguments].concat()))
     };
     let adaptive = follow(&[]);
     let fixed = follow(&[&"--integrator", &"rk4", &"--rk4-step-yr", &"10"]);
@@ -135,6 +119,6 @@ fn integrators_take_their_own_knobs_only() {
     ];
     for (arguments, expected) in cases {
         let common: [&dyn AsRef<OsStr>; 2] = [&"rigid", &top];
-        refused(&yorp(&[&common[..], arguments].concat()), expected);
+        refused(&ask(&[&common[..], arguments].concat()), 2, expected);
     }
 }

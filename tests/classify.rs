@@ -4,8 +4,13 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
+use common::{json, open, refused, yorp};
 use rusqlite::Connection;
 use serde_json::Value;
+use synthetic::{Synthetic, Until};
+
+mod common;
+mod synthetic;
 
 /// A body that settles, takes legs and moves within seconds.
 const SCENE: &str = r#"{
@@ -20,27 +25,16 @@ const SCENE: &str = r#"{
   "evolution": {"duration_myr": 0.1, "spin_change": 0.01, "movement_radius_fraction": 0.1}
 }"#;
 
-fn yorp(arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_yorp"));
-    command.args(arguments);
-    command
-}
-
 fn run(folder: &Path, more: &[&str]) -> (Command, PathBuf) {
     let (scene, out) = (folder.join("scene.json"), folder.join("out"));
     std::fs::write(&scene, SCENE).unwrap();
-    let mut command = yorp(&["run", "--json"]);
-    command.arg(scene).arg("--out").arg(&out).args(more);
+    let mut command = yorp();
+    command.args(["run", "--json"]).arg(scene).arg("--out").arg(&out).args(more);
     (command, out)
 }
 
 fn classify(directory: &Path, more: &[&str]) -> Output {
-    yorp(&["classify"]).arg(directory).args(more).output().unwrap()
-}
-
-fn json(output: &Output) -> Value {
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).unwrap()
+    yorp().arg("classify").arg(directory).args(more).output().unwrap()
 }
 
 fn number(value: &Value) -> f64 {
@@ -64,7 +58,7 @@ fn a_finished_run_has_types_and_statistics_that_fit_its_database() {
     }
     assert_eq!(found["self_limited"], found["spin"]["type"] != "MYC");
 
-    let db = Connection::open_with_flags(out.join("run.sqlite"), rusqlite::OpenFlags::SQLITE_OPEN_READ_ONLY).unwrap();
+    let db = open(&out);
     let count = |sql: &str| db.query_row(sql, [], |row| row.get::<_, f64>(0)).unwrap();
     let intervals = found["walk"]["intervals"].as_array().unwrap();
     assert_eq!(intervals.len() as f64, count("SELECT total(1) FROM interval"));
@@ -132,13 +126,7 @@ fn a_run_is_classified_while_it_goes_on_and_is_not_disturbed() {
 #[test]
 fn what_is_no_run_is_refused() {
     let folder = tempfile::tempdir().unwrap();
-    let refused = |directory: &Path, message: &str| {
-        let output = classify(directory, &["--json"]);
-        let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(2), "{stderr}");
-        assert!(stderr.contains(message), "{stderr}");
-        assert!(output.stdout.is_empty());
-    };
+    let refused = |directory: &Path, message: &str| refused(&classify(directory, &["--json"]), 2, message);
     refused(folder.path(), "no run");
     refused(&folder.path().join("absent"), "no run");
     std::fs::write(folder.path().join("run.sqlite"), "not a database, but long enough to be one".repeat(100)).unwrap();
@@ -148,4 +136,33 @@ fn what_is_no_run_is_refused() {
     foreign.execute_batch("CREATE TABLE leg (leg INTEGER)").unwrap();
     drop(foreign);
     refused(folder.path(), "not a yorp run database");
+}
+
+#[test]
+fn a_run_is_classified_at_every_stage_and_its_losses_are_those_on_record() {
+    for until in [Until::Begun, Until::Built, Until::Settling, Until::Object0, Until::Legs, Until::End] {
+        let folder = tempfile::tempdir().unwrap();
+        Synthetic { until, configurations: 30, ..Synthetic::default() }.write(folder.path());
+        let found = json(&classify(folder.path(), &["--json"]));
+        assert!(classify(folder.path(), &[]).status.success());
+        let evolved = matches!(until, Until::Legs | Until::End);
+        assert_eq!(found["spin"]["type"] != "", evolved, "{until:?}");
+        if evolved {
+            let count = |sql: &str| open(folder.path()).query_row(sql, [], |row| row.get::<_, f64>(0)).unwrap();
+            let events = found["losses"]["events"].as_array().unwrap();
+            assert_eq!(events.len() as f64, count("SELECT count(DISTINCT leg) * 1.0 FROM loss WHERE leg >= 0"));
+            let share = "SELECT 100 * (SELECT total(mass_kg) FROM sphere JOIN loss USING (sphere) WHERE leg >= 0) / total(mass_kg) FROM sphere";
+            assert!((number(&found["losses"]["mass_percent"]) - count(share)).abs() < 1e-9);
+            let fates = &found["losses"]["fates"];
+            for fate in ["reimpact", "escape", "bound", "merged"] {
+                let of = format!("SELECT total(1) FROM fate WHERE leg >= 0 AND fate = '{fate}'");
+                assert_eq!(number(&fates[fate]), count(&of), "{fate}");
+            }
+            let event = &events[0];
+            let sphere = number(&event["sphere_limit_rev_day"]);
+            assert!(
+                (number(&event["prolate_limit_rev_day"]) / sphere - number(&event["b_over_a"]).sqrt()).abs() < 1e-12
+            );
+        }
+    }
 }

@@ -1,11 +1,12 @@
 //! `yorp run` as a user meets it: a run to its end, killed and resumed, on one thread and two, and refused.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use rusqlite::types::Value;
-use rusqlite::{Connection, OpenFlags};
+use common::{assert_same, contents, count, file, json, open, refused, yorp};
+
+mod common;
 
 /// A body small and loose enough to settle, take legs, move and be tiled again within seconds.
 const SCENE: &str = r#"{
@@ -20,65 +21,15 @@ const SCENE: &str = r#"{
   "evolution": {"duration_myr": 0.1, "spin_change": 0.01, "movement_radius_fraction": 0.1}
 }"#;
 
-fn yorp() -> Command {
-    Command::new(env!("CARGO_BIN_EXE_yorp"))
-}
-
-fn scene_in(folder: &Path, text: &str) -> PathBuf {
-    let file = folder.join("scene.json");
-    std::fs::write(&file, text).unwrap();
-    file
-}
-
 fn run(scene: &Path, out: &Path, more: &[&str]) -> Output {
     yorp().arg("run").arg(scene).arg("--out").arg(out).args(more).output().unwrap()
-}
-
-fn summary(output: &Output) -> serde_json::Value {
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).unwrap()
-}
-
-fn open(out: &Path) -> Connection {
-    Connection::open_with_flags(out.join("run.sqlite"), OpenFlags::SQLITE_OPEN_READ_ONLY).unwrap()
-}
-
-/// All rows of all tables but `meta_*`, table by table.
-fn contents(out: &Path) -> Vec<(String, Vec<Vec<Value>>)> {
-    let db = open(out);
-    let mut names = db.prepare("SELECT name FROM sqlite_schema WHERE type = 'table' ORDER BY name").unwrap();
-    let names: Vec<String> = names.query_map([], |row| row.get(0)).unwrap().map(Result::unwrap).collect();
-    let tables = names.into_iter().filter(|name| !name.starts_with("meta_") && !name.starts_with("sqlite_"));
-    let rows = |table: &String| {
-        let mut all = db.prepare(&format!("SELECT * FROM {table}")).unwrap();
-        let columns = all.column_count();
-        let rows = all.query_map([], |row| (0..columns).map(|c| row.get::<_, Value>(c)).collect()).unwrap();
-        rows.map(Result::unwrap).collect::<Vec<Vec<Value>>>()
-    };
-    tables.map(|table| (table.clone(), rows(&table))).collect()
-}
-
-fn assert_same(a: &Path, b: &Path) {
-    for ((name, left), (other, right)) in contents(a).into_iter().zip(contents(b)) {
-        assert_eq!(name, other);
-        assert_eq!(left.len(), right.len(), "rows of {name}");
-        for (row, (l, r)) in left.iter().zip(&right).enumerate() {
-            assert!(l == r, "row {row} of {name} differs");
-        }
-    }
-}
-
-fn count(out: &Path, table: &str) -> i64 {
-    let count = || open(out).query_row(&format!("SELECT count(*) FROM {table}"), [], |row| row.get(0));
-    // Busy or not yet there while the program is writing.
-    if out.join("run.sqlite").exists() { count().unwrap_or(0) } else { 0 }
 }
 
 #[test]
 fn a_run_reaches_its_end_with_legs_movements_and_new_torques() {
     let folder = tempfile::tempdir().unwrap();
-    let (scene, out) = (scene_in(folder.path(), SCENE), folder.path().join("out"));
-    let result = summary(&run(&scene, &out, &["--json"]));
+    let (scene, out) = (file(folder.path(), "scene.json", SCENE), folder.path().join("out"));
+    let result = json(&run(&scene, &out, &["--json"]));
     assert_eq!(result["outcome"], "end_time");
     assert!((result["t_myr"].as_f64().unwrap() - 0.1).abs() < 1e-12);
     assert!(result["movements"].as_i64().unwrap() >= 1 && result["legs"].as_i64().unwrap() >= 2, "{result}");
@@ -100,7 +51,7 @@ fn a_run_reaches_its_end_with_legs_movements_and_new_torques() {
     assert_eq!(wrong_intervals, 0, "intervals must follow each other");
     // Finished: the same summary again, and nothing changes.
     let before = contents(&out);
-    let again = summary(&run(&scene, &out, &["--json", "--resume"]));
+    let again = json(&run(&scene, &out, &["--json", "--resume"]));
     assert_eq!(
         (&again["legs"], &again["outcome"], &again["period_h"]),
         (&result["legs"], &result["outcome"], &result["period_h"])
@@ -111,10 +62,10 @@ fn a_run_reaches_its_end_with_legs_movements_and_new_torques() {
 #[test]
 fn killed_resumed_and_on_other_thread_counts_it_is_the_same_run() {
     let folder = tempfile::tempdir().unwrap();
-    let scene = scene_in(folder.path(), SCENE);
+    let scene = file(folder.path(), "scene.json", SCENE);
     let (whole, killed, two) = (folder.path().join("whole"), folder.path().join("killed"), folder.path().join("two"));
-    summary(&run(&scene, &whole, &["--json", "--threads", "1"]));
-    summary(&run(&scene, &two, &["--json", "--threads", "2"]));
+    json(&run(&scene, &whole, &["--json", "--threads", "1"]));
+    json(&run(&scene, &two, &["--json", "--threads", "2"]));
     assert_same(&whole, &two);
 
     let legs = count(&whole, "leg");
@@ -136,22 +87,22 @@ fn killed_resumed_and_on_other_thread_counts_it_is_the_same_run() {
         child.kill().unwrap();
         child.wait().unwrap();
     }
-    summary(&run(&scene, &killed, &["--json", "--resume"]));
+    json(&run(&scene, &killed, &["--json", "--resume"]));
     assert_same(&whole, &killed);
 }
 
 #[test]
 fn stopping_at_a_time_and_going_on_is_the_same_run() {
     let folder = tempfile::tempdir().unwrap();
-    let scene = scene_in(folder.path(), SCENE);
+    let scene = file(folder.path(), "scene.json", SCENE);
     let (whole, parts) = (folder.path().join("whole"), folder.path().join("parts"));
-    summary(&run(&scene, &whole, &["--json", "--until-myr", "0.07"]));
-    let built = summary(&run(&scene, &parts, &["--json", "--until-myr", "0"]));
+    json(&run(&scene, &whole, &["--json", "--until-myr", "0.07"]));
+    let built = json(&run(&scene, &parts, &["--json", "--until-myr", "0"]));
     assert_eq!((built["t_myr"].as_f64(), built["outcome"].as_str()), (Some(0.0), Some("until")));
     assert_eq!(built["legs"], 0);
-    let first = summary(&run(&scene, &parts, &["--json", "--resume", "--until-myr", "0.0433"]));
+    let first = json(&run(&scene, &parts, &["--json", "--resume", "--until-myr", "0.0433"]));
     assert!((first["t_myr"].as_f64().unwrap() - 0.0433).abs() < 1e-12);
-    summary(&run(&scene, &parts, &["--json", "--resume", "--until-myr", "0.07"]));
+    json(&run(&scene, &parts, &["--json", "--resume", "--until-myr", "0.07"]));
     assert_same(&whole, &parts);
 }
 
@@ -164,28 +115,21 @@ fn a_run_with_heat_and_orbits_goes_on_as_it_was() {
         r#""torque": {"obliquity_step_deg": 15, "declination_nodes": 9, "azimuth_bins": 24, "rotation_cells": 16, "spin_rates": 5},
            "surface": {"thermal_inertia": 200, "self_heating": "single"}, "shed": {"track": {"rebound": {}}},"#,
     );
-    let scene = scene_in(folder.path(), &text);
+    let scene = file(folder.path(), "scene.json", &text);
     let [straight, stopped] = ["straight", "stopped"].map(|name| folder.path().join(name));
-    summary(&run(&scene, &straight, &["--json", "--threads", "2", "--until-myr", "0.04"]));
-    summary(&run(&scene, &stopped, &["--json", "--threads", "1", "--until-myr", "0.013"]));
-    summary(&run(&scene, &stopped, &["--json", "--resume", "--until-myr", "0.04"]));
+    json(&run(&scene, &straight, &["--json", "--threads", "2", "--until-myr", "0.04"]));
+    json(&run(&scene, &stopped, &["--json", "--threads", "1", "--until-myr", "0.013"]));
+    json(&run(&scene, &stopped, &["--json", "--resume", "--until-myr", "0.04"]));
     assert_same(&straight, &stopped);
     let nodes = open(&straight).query_row("SELECT length(spin_rate) / 8 FROM configuration", [], |row| row.get(0));
     assert_eq!(nodes, Ok(5));
 }
 
-fn refused(output: &Output, code: i32, message: &str) {
-    let stderr = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(code), "{stderr}");
-    assert!(stderr.contains(message), "{stderr}");
-    assert!(output.stdout.is_empty());
-}
-
 #[test]
 fn a_directory_that_holds_a_run_is_locked_or_is_not_a_directory_is_refused() {
     let folder = tempfile::tempdir().unwrap();
-    let (scene, out) = (scene_in(folder.path(), SCENE), folder.path().join("out"));
-    summary(&run(&scene, &out, &["--json", "--until-myr", "0"]));
+    let (scene, out) = (file(folder.path(), "scene.json", SCENE), folder.path().join("out"));
+    json(&run(&scene, &out, &["--json", "--until-myr", "0"]));
     refused(&run(&scene, &out, &[]), 2, "already holds a run");
 
     let other = folder.path().join("other.json");
@@ -207,13 +151,13 @@ fn a_directory_that_holds_a_run_is_locked_or_is_not_a_directory_is_refused() {
 fn a_wrong_input_writes_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
-    let scene = scene_in(folder.path(), &SCENE.replace("50.2", "-50.2"));
+    let scene = file(folder.path(), "scene.json", &SCENE.replace("50.2", "-50.2"));
     refused(&run(&scene, &out, &[]), 2, "body.packed_ellipsoid.radius_m");
     refused(&run(&folder.path().join("absent.json"), &out, &[]), 2, "absent.json");
 
     // A file body whose content is wrong is only found when it is read.
     std::fs::write(folder.path().join("body.csv"), "x_m,y_m,z_m,mass_kg,radius_m\n0,0,NaN,1e9,50\n").unwrap();
-    let scene = scene_in(folder.path(), r#"{"body": {"file": {"path": "body.csv"}}}"#);
+    let scene = file(folder.path(), "scene.json", r#"{"body": {"file": {"path": "body.csv"}}}"#);
     refused(&run(&scene, &out, &[]), 2, "body.csv");
     std::fs::write(folder.path().join("body.csv"), "x_m,y_m,z_m,mass_kg,radius_m\n").unwrap();
     refused(&run(&scene, &out, &[]), 2, "body.csv");
@@ -225,7 +169,7 @@ fn a_wrong_input_writes_nothing() {
 fn an_interrupted_run_saves_its_state_and_exits_130() {
     let folder = tempfile::tempdir().unwrap();
     let (scene, out) = (
-        scene_in(folder.path(), &SCENE.replace("\"duration_myr\": 0.1", "\"duration_myr\": 50")),
+        file(folder.path(), "scene.json", &SCENE.replace("\"duration_myr\": 0.1", "\"duration_myr\": 50")),
         folder.path().join("out"),
     );
     let child = yorp()

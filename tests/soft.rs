@@ -1,13 +1,13 @@
 //! Soft spheres as a user meets them: runs that are killed and resumed, `relax` with its books of energy, and refusals.
 
-use std::ffi::OsStr;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use rusqlite::types::Value as Cell;
-use rusqlite::{Connection, OpenFlags};
+use common::{ask, assert_same, count, file, json, open, refused, yorp};
 use serde_json::Value;
+
+mod common;
 
 /// A body small enough to settle and take some legs within seconds.
 const SCENE: &str = r#"{
@@ -24,59 +24,12 @@ const SCENE: &str = r#"{
 /// Three spheres on a line that touch and turn as one.
 const CHAIN: &str = "x_m,y_m,z_m,mass_kg,radius_m\n-100,0,0,1.5e9,50\n0,0,0,1.5e9,50\n100,0,0,1.5e9,50\n";
 
-fn yorp(arguments: &[&dyn AsRef<OsStr>]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_yorp")).args(arguments.iter().map(|a| a.as_ref())).output().unwrap()
-}
-
-fn json(output: &Output) -> Value {
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).unwrap()
-}
-
-fn refused(output: &Output, code: i32, message: &str) {
-    let stderr = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(code), "{stderr}");
-    assert!(stderr.contains(message), "{stderr}");
-    assert!(output.stdout.is_empty());
-}
-
-fn file(folder: &Path, name: &str, text: &str) -> PathBuf {
-    let path = folder.join(name);
-    std::fs::write(&path, text).unwrap();
-    path
-}
-
-fn open(out: &Path) -> Connection {
-    Connection::open_with_flags(out.join("run.sqlite"), OpenFlags::SQLITE_OPEN_READ_ONLY).unwrap()
-}
-
-/// All rows of all tables but `meta_*`, table by table.
-fn contents(out: &Path) -> Vec<(String, Vec<Vec<Cell>>)> {
-    let db = open(out);
-    let mut names = db.prepare("SELECT name FROM sqlite_schema WHERE type = 'table' ORDER BY name").unwrap();
-    let names: Vec<String> = names.query_map([], |row| row.get(0)).unwrap().map(Result::unwrap).collect();
-    let tables = names.into_iter().filter(|name| !name.starts_with("meta_") && !name.starts_with("sqlite_"));
-    let rows = |table: &String| {
-        let mut all = db.prepare(&format!("SELECT * FROM {table}")).unwrap();
-        let columns = all.column_count();
-        let rows = all.query_map([], |row| (0..columns).map(|c| row.get::<_, Cell>(c)).collect()).unwrap();
-        rows.map(Result::unwrap).collect::<Vec<Vec<Cell>>>()
-    };
-    tables.map(|table| (table.clone(), rows(&table))).collect()
-}
-
-fn count(out: &Path, table: &str) -> i64 {
-    let count = || open(out).query_row(&format!("SELECT count(*) FROM {table}"), [], |row| row.get(0));
-    // Busy or not yet there while the program is writing.
-    if out.join("run.sqlite").exists() { count().unwrap_or(0) } else { 0 }
-}
-
 #[test]
 fn a_soft_run_that_is_killed_and_resumed_on_another_thread_count_is_the_same_run() {
     let folder = tempfile::tempdir().unwrap();
     let scene = file(folder.path(), "scene.json", SCENE);
     let (whole, killed) = (folder.path().join("whole"), folder.path().join("killed"));
-    let summary = json(&yorp(&[&"run", &scene, &"--out", &whole, &"--json", &"--threads", &"1"]));
+    let summary = json(&ask(&[&"run", &scene, &"--out", &whole, &"--json", &"--threads", &"1"]));
     let legs = count(&whole, "leg");
     assert!(legs >= 3, "{summary}");
     assert!(summary["normal_stiffness_n_m"].as_f64().unwrap() > 1e6);
@@ -85,7 +38,7 @@ fn a_soft_run_that_is_killed_and_resumed_on_another_thread_count_is_the_same_run
     assert!(remembered > 40, "{remembered} contacts of 40 spheres");
 
     for (table, rows) in [("settling", 1), ("leg", 1), ("leg", legs - 1)] {
-        let mut child = Command::new(env!("CARGO_BIN_EXE_yorp"))
+        let mut child = yorp()
             .args(["run", "--resume", "--threads", "2"])
             .arg(&scene)
             .arg("--out")
@@ -102,13 +55,8 @@ fn a_soft_run_that_is_killed_and_resumed_on_another_thread_count_is_the_same_run
         child.kill().unwrap();
         child.wait().unwrap();
     }
-    json(&yorp(&[&"run", &scene, &"--out", &killed, &"--json", &"--resume"]));
-    for ((name, left), (other, right)) in contents(&whole).into_iter().zip(contents(&killed)) {
-        assert_eq!((&name, left.len()), (&other, right.len()));
-        for (row, (l, r)) in left.iter().zip(&right).enumerate() {
-            assert!(l == r, "row {row} of {name} differs");
-        }
-    }
+    json(&ask(&[&"run", &scene, &"--out", &killed, &"--json", &"--resume"]));
+    assert_same(&whole, &killed);
 }
 
 #[test]
@@ -116,7 +64,7 @@ fn relax_reports_stiffness_contacts_and_books_of_energy_that_close() {
     let folder = tempfile::tempdir().unwrap();
     let chain = file(folder.path(), "chain.csv", CHAIN);
     for preset in ["zhang_2017", "gravel", "glass_beads", "frictionless"] {
-        let result = json(&yorp(&[
+        let result = json(&ask(&[
             &"relax",
             &chain,
             &"--contact",
@@ -148,7 +96,7 @@ fn steps_too_long_spheres_that_cannot_be_and_flags_of_the_other_model_are_refuse
     let folder = tempfile::tempdir().unwrap();
     let chain = file(folder.path(), "chain.csv", CHAIN);
     let relax = |body: &PathBuf, more: [&str; 2]| {
-        yorp(&[&"relax", body, &"--contact", &"soft", &"--duration-s", &"1000", &more[0], &more[1]])
+        ask(&[&"relax", body, &"--contact", &"soft", &"--duration-s", &"1000", &more[0], &more[1]])
     };
     refused(&relax(&chain, ["--step-s", "20"]), 2, "a step of 20 s is too long");
     refused(&relax(&chain, ["--field-tolerance", "0.5"]), 2, "--field-tolerance");
@@ -156,7 +104,7 @@ fn steps_too_long_spheres_that_cannot_be_and_flags_of_the_other_model_are_refuse
     refused(&relax(&same, ["--preset", "gravel"]), 2, "spheres 0 and 1 have the same centre");
     let nan = file(folder.path(), "nan.csv", "x_m,y_m,z_m,mass_kg,radius_m\n9,0,0,1e9,50\n0,NaN,0,1e9,50\n");
     refused(&relax(&nan, ["--preset", "gravel"]), 2, "nan.csv");
-    let hard = yorp(&[&"relax", &chain, &"--duration-s", &"1", &"--preset", &"gravel"]);
+    let hard = ask(&[&"relax", &chain, &"--duration-s", &"1", &"--preset", &"gravel"]);
     refused(&hard, 2, "--preset goes with --contact soft");
 
     // Thrown at each other ten times faster than their stiffness is made for.
@@ -174,7 +122,7 @@ fn a_scene_with_impossible_soft_contacts_is_refused_with_its_path() {
     let with = |contact: &str| {
         let plain = r#"{"preset": "glass_beads", "steps_per_contact": 15}"#;
         let scene = file(folder.path(), "scene.json", &SCENE.replace(plain, contact));
-        yorp(&[&"run", &scene, &"--out", &out])
+        ask(&[&"run", &scene, &"--out", &out])
     };
     for (contact, message) in [
         (r#"{"preset": "sand"}"#, "contact.soft_sphere.preset"),
@@ -203,7 +151,7 @@ fn a_scene_with_impossible_soft_contacts_is_refused_with_its_path() {
 fn an_interrupted_relax_stops_within_a_rotation_and_says_so() {
     let folder = tempfile::tempdir().unwrap();
     let chain = file(folder.path(), "chain.csv", CHAIN);
-    let child = Command::new(env!("CARGO_BIN_EXE_yorp"))
+    let child = yorp()
         .arg("relax")
         .arg(&chain)
         .args(["--contact", "soft", "--duration-s", "1e12"])

@@ -43,8 +43,18 @@ pub struct Check {
     pub breakup: Option<Breakup>,
 }
 
+/// How often the spin increment may be cut to a fifth before a movement of most spheres is accepted.
+const MAX_REFINEMENT: u32 = 2;
+
+/// Whether so much has moved that the leg is to be repeated with a smaller increment.
+pub(super) fn repeats(scene: &Scene, state: &State, moved: usize) -> bool {
+    moved as f64 > scene.evolution.moved_fraction_limit * state.spheres.len() as f64
+        && state.refinement < MAX_REFINEMENT
+}
+
 /// Gives the aggregate of `state`, at evolution time `t_s`, the spin rate `omega` (rad/s, about its axis of largest moment) and evolves it until
-/// nothing differs from `configuration` or, if something does, until a block of rotations shows no further movement.
+/// nothing differs from `configuration` or, if something does, until a block of rotations shows no further movement. A
+/// movement so large that the leg is repeated is not followed to its end.
 ///
 /// # Errors
 /// The integration failed, or the observer asked to stop.
@@ -98,7 +108,6 @@ pub fn check_spin(
         let leaves = !block.departures.spheres.is_empty();
         let quiet = block.moved == 0 && !leaves && (rotations >= full || on_one_body(&body.spheres));
         let breakup = block.departures.breakup;
-        let over = breakup.is_some() || dynamics.rotations >= f64::from(settling.max_rotations);
         if leaves {
             left = true;
             let more = shed(scene, &mut body, &block.departures, [t_s, omega, state.obliquity])?;
@@ -109,10 +118,13 @@ pub fn check_spin(
         let movement = compare(scene, configuration, &body);
         let moved = movement.count() > 0 || left;
         let unmoved = !moved && settling.question == Question::Full;
+        let discarded = repeats(scene, state, movement.count());
+        let over = breakup.is_some() || discarded || dynamics.rotations >= f64::from(settling.max_rotations);
         if unmoved || quiet || over {
             let movement = moved.then_some(movement);
             let rest = rest_of(scene, &body.spheres)?;
-            return Ok(Check { body, movement, dynamics, settled: quiet || unmoved, rest, shedding, breakup });
+            let settled = quiet || unmoved || discarded;
+            return Ok(Check { body, movement, dynamics, settled, rest, shedding, breakup });
         }
     }
 }

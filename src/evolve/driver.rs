@@ -10,7 +10,7 @@ use pkd::mass_properties::mass_properties;
 
 use super::EvolveError;
 use super::aggregate::{aggregate, refuse_early};
-use super::check::{Check, check_spin, rest_of};
+use super::check::{Check, check_spin, repeats, rest_of};
 use super::configuration::{Original, Shape, next_object, object_0};
 use super::engine::{ContactLaw, Engine};
 use super::observer::{Observer, Progress};
@@ -23,9 +23,6 @@ use crate::store::*;
 
 /// Seconds in a million years of 365.25 days.
 pub const MYR_S: f64 = 1e6 * YEAR_S;
-
-/// How often the spin increment may be cut to a fifth before a movement of most spheres is accepted.
-const MAX_REFINEMENT: u32 = 2;
 
 /// How far the rigid reference curve is followed, Myr: twice the 15 Myr of most runs (Table 2: bodies that would spin up
 /// for ever were followed for 30 Myr). It does not depend on the scene's duration, which may grow when a run resumes.
@@ -231,8 +228,7 @@ impl Driver<'_> {
         let Some(movement) = check.movement else {
             return self.commit_leg(LegRecord { result: "quiet".into(), ..record }, next, None, &Shedding::default());
         };
-        let moved_fraction = f64::from(record.moved[0]) / state.spheres.len() as f64;
-        if moved_fraction > self.scene.evolution.moved_fraction_limit && state.refinement < MAX_REFINEMENT {
+        if repeats(self.scene, &state, movement.count()) {
             // Back to the start of the leg with a fifth of the increment.
             let back = State { leg: next.leg, refinement: state.refinement + 1, ..state };
             return self.commit_leg(
