@@ -2,7 +2,7 @@
 
 use super::coefficients::Coefficients;
 use super::kernel::contacts;
-use super::lanes::{Plain, Quad};
+use super::lanes::{Plain, Quad, Wide};
 use super::motion::{FROZEN, Frames, GIVEN, Moved, NONE, advance};
 use super::pairs::Chunk;
 use super::parameters::SoftSphereParameters;
@@ -33,7 +33,7 @@ pub(super) enum Processor {
     Any,
     #[cfg(target_arch = "x86_64")]
     Avx2,
-    /// AVX2 with twice as many registers.
+    /// AVX-512 with the parts F, VL and DQ, as all have but one that is forgotten.
     #[cfg(target_arch = "x86_64")]
     Avx512,
 }
@@ -42,8 +42,9 @@ impl Processor {
     pub fn present() -> Self {
         #[cfg(target_arch = "x86_64")]
         if std::arch::is_x86_feature_detected!("avx2") {
-            let more =
-                std::arch::is_x86_feature_detected!("avx512f") && std::arch::is_x86_feature_detected!("avx512vl");
+            let more = std::arch::is_x86_feature_detected!("avx512f")
+                && std::arch::is_x86_feature_detected!("avx512vl")
+                && std::arch::is_x86_feature_detected!("avx512dq");
             return if more { Self::Avx512 } else { Self::Avx2 };
         }
         Self::Any
@@ -83,7 +84,7 @@ fn contacts_of<const MODEL: u8>(processor: Processor, cohesive: bool, ledger: bo
 
 fn contacts_on<const MODEL: u8, const COHESIVE: bool, const LEDGER: bool>(processor: Processor) -> Contacts {
     match processor {
-        Processor::Any => contacts::<Plain, MODEL, COHESIVE, LEDGER>,
+        Processor::Any => contacts::<Wide<Plain>, MODEL, COHESIVE, LEDGER>,
         #[cfg(target_arch = "x86_64")]
         Processor::Avx2 => x86::contacts::<MODEL, COHESIVE, LEDGER>,
         #[cfg(target_arch = "x86_64")]
@@ -107,14 +108,16 @@ fn advance_on<const MODEL: u8, const FIELD: u8>(processor: Processor) -> Advance
     match processor {
         Processor::Any => advance::<Plain, MODEL, FIELD>,
         #[cfg(target_arch = "x86_64")]
-        Processor::Avx2 | Processor::Avx512 => x86::advance::<MODEL, FIELD>,
+        Processor::Avx2 => x86::advance::<MODEL, FIELD>,
+        #[cfg(target_arch = "x86_64")]
+        Processor::Avx512 => x86::advance_512::<MODEL, FIELD>,
     }
 }
 
-/// The same, compiled for AVX2.
+/// The same, compiled for AVX2 and AVX-512.
 #[cfg(target_arch = "x86_64")]
 mod x86 {
-    use super::super::lanes::Avx2;
+    use super::super::lanes::{Avx2, Avx512, Wide};
     use super::{Chunk, Coefficients, Frames, Moved, Quad};
 
     #[target_feature(enable = "avx2")]
@@ -124,21 +127,33 @@ mod x86 {
         records: &[Quad],
         chunk: &mut Chunk,
     ) {
-        unsafe { super::contacts::<Avx2, MODEL, COHESIVE, LEDGER>(law, step, records, chunk) }
+        unsafe { super::contacts::<Wide<Avx2>, MODEL, COHESIVE, LEDGER>(law, step, records, chunk) }
     }
 
-    #[target_feature(enable = "avx2,avx512f,avx512vl")]
+    #[target_feature(enable = "avx2,avx512f,avx512vl,avx512dq")]
     pub(super) unsafe fn contacts_512<const MODEL: u8, const COHESIVE: bool, const LEDGER: bool>(
         law: &Coefficients,
         step: f64,
         records: &[Quad],
         chunk: &mut Chunk,
     ) {
-        unsafe { super::contacts::<Avx2, MODEL, COHESIVE, LEDGER>(law, step, records, chunk) }
+        unsafe { super::contacts::<Avx512, MODEL, COHESIVE, LEDGER>(law, step, records, chunk) }
     }
 
     #[target_feature(enable = "avx2")]
     pub(super) unsafe fn advance<const MODEL: u8, const FIELD: u8>(
+        step: f64,
+        frames: &Frames,
+        records: &mut [Quad],
+        guides: &mut [Quad],
+        sums: &[Quad],
+    ) -> Moved {
+        unsafe { super::advance::<Avx2, MODEL, FIELD>(step, frames, records, guides, sums) }
+    }
+
+    /// Fours too, but with twice as many registers to keep the frames in.
+    #[target_feature(enable = "avx2,avx512f,avx512vl,avx512dq")]
+    pub(super) unsafe fn advance_512<const MODEL: u8, const FIELD: u8>(
         step: f64,
         frames: &Frames,
         records: &mut [Quad],

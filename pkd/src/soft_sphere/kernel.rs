@@ -9,7 +9,7 @@
 //! gains nor loses energy. The direction of the step before follows from the same velocities.
 
 use super::coefficients::Coefficients;
-use super::lanes::{LANES, Lanes, Numbers, Quad, Vector, WIDE, Wide};
+use super::lanes::{Eights, LANES, Numbers, Quad, Vector, WIDE};
 use super::pairs::Chunk;
 use super::parameters::SlidingCap;
 use super::record::{self, DIRECTIONAL, FRICTIONLESS, FULL};
@@ -17,6 +17,12 @@ use super::record::{self, DIRECTIONAL, FRICTIONLESS, FULL};
 /// Share of the relative rotation that a torque of the directional model may take away in one step: a sphere with a
 /// dozen contacts still comes to rest and is not turned round.
 const TAKEN_IN_A_STEP: f64 = 0.0625;
+
+/// How many eights ahead spheres and springs are fetched.
+const AHEAD: usize = 3;
+
+/// Numbers in a line of the cache.
+const LINE: usize = 8;
 
 /// Heat made in contacts since the books were opened, J.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -50,7 +56,7 @@ impl Heat {
 /// The processor must have the instructions of `V`, and the function must be inlined into one compiled for them. `records`
 /// and the fields and sums of the chunk must be laid out for `MODEL` and `COHESIVE`, and its indices be within them.
 #[inline(always)]
-pub(super) unsafe fn contacts<V: Lanes, const MODEL: u8, const COHESIVE: bool, const LEDGER: bool>(
+pub(super) unsafe fn contacts<V: Eights, const MODEL: u8, const COHESIVE: bool, const LEDGER: bool>(
     law: &Coefficients,
     step: f64,
     records: &[Quad],
@@ -66,29 +72,61 @@ pub(super) unsafe fn contacts<V: Lanes, const MODEL: u8, const COHESIVE: bool, c
 
     // SAFETY: the caller vouches for the processor and the layout.
     unsafe {
-        let (zero, one, half) = (Wide::<V>::splat(0.0), Wide::<V>::splat(1.0), Wide::<V>::splat(0.5));
-        let h = Wide::<V>::splat(step);
-        let (k_n, c_n) = (Wide::<V>::splat(law.k_n), Wide::<V>::splat(law.c_n));
-        let (k_t, c_t, mu_s) = (Wide::<V>::splat(law.k_t), Wide::<V>::splat(law.c_t), Wide::<V>::splat(law.mu_s));
-        let mut deepest = Wide::<V>::splat(chunk.deepest);
+        let (zero, one, half) = (V::splat(0.0), V::splat(1.0), V::splat(0.5));
+        let h = V::splat(step);
+        let (k_n, c_n) = (V::splat(law.k_n), V::splat(law.c_n));
+        let (k_t, c_t, mu_s) = (V::splat(law.k_t), V::splat(law.c_t), V::splat(law.mu_s));
+        let mut deepest = V::splat(chunk.deepest);
         let mut heat = [zero; 7];
 
-        for (block, field) in chunk.index.iter().zip(chunk.fields.chunks_exact_mut(fields * WIDE / LANES)) {
-            let field = field.as_mut_ptr().cast::<f64>();
-            let (pi, pj) =
-                (block.i.map(|i| base.add(i as usize * stride)), block.j.map(|j| base.add(j as usize * stride)));
+        let own = base.add(chunk.first as usize * stride);
+        let last = chunk.index.len().saturating_sub(1);
+        for k in 0..chunk.index.len() {
+            // What follows is fetched while this is reckoned with: the second spheres are anywhere.
+            let ahead = chunk.index.get_unchecked((k + AHEAD).min(last));
+            for j in ahead.j {
+                let record = base.add(j as usize * stride);
+                for line in 0..stride.div_ceil(LINE) {
+                    V::fetch(record.add(line * LINE));
+                }
+            }
+            let field: *mut f64 = chunk.fields.as_mut_ptr().add(k * fields).cast();
+            let next: *const f64 = chunk.fields.as_ptr().add((k + AHEAD).min(last) * fields).cast();
+            for k in 0..fields {
+                V::fetch(next.add(k * WIDE));
+            }
+            let block = chunk.index.get_unchecked_mut(k);
+            let pi = block.i.map(|i| own.add(i as usize * stride));
+            let pj = block.j.map(|j| base.add(j as usize * stride));
             let (r, s, dr) = separation::<V>(&pi, &pj);
             let d2 = r.dot(r);
             let contact = d2.less(s * s);
             if !LEDGER && !contact.any() {
-                for k in memory..fields {
-                    zero.store(field.add(k * WIDE));
+                // Most that part stay apart, and what is written costs more than what is not looked at.
+                if MODEL != FRICTIONLESS && block.remembers {
+                    for k in memory..fields {
+                        zero.store(field.add(k * WIDE));
+                    }
+                    block.remembers = false;
                 }
                 continue;
             }
+            if MODEL != FRICTIONLESS {
+                block.remembers = true;
+            }
 
             let d = d2.sqrt();
-            let inverse = one / d;
+            // Where the direction a step before is needed too, one division makes both: it is what takes longest.
+            let (inverse, before) = if MODEL == FRICTIONLESS {
+                (one / d, None)
+            } else {
+                let dv = difference::<V>(&pi, &pj, record::VELOCITY);
+                let old = r - dv.times(h);
+                let old2 = old.dot(old);
+                let old_d = old2.sqrt();
+                let both = one / (d * old_d);
+                (old_d * both, Some((dv, old.times(d * both), old2.less(s * s))))
+            };
             let n = r.times(inverse);
             let x = s - d;
             // Seldom, once a body has settled: the deepest overlap over the smaller radius.
@@ -96,25 +134,25 @@ pub(super) unsafe fn contacts<V: Lanes, const MODEL: u8, const COHESIVE: bool, c
             let record = contact.keep((deepest * smaller).less(x));
             if record.any() {
                 let depth = contact.keep(x / smaller).largest().max(deepest.largest());
-                deepest = Wide::<V>::splat(depth);
+                deepest = V::splat(depth);
             }
 
-            let sqrt_mu = Wide::<V>::load(field);
+            let sqrt_mu = V::load(field);
             let dv = difference::<V>(&pi, &pj, record::PREDICTED);
             let u_n = dv.dot(n);
             let push = c_n * sqrt_mu * u_n - k_n * x;
             let load = push.abs();
             let mut along = push;
             if COHESIVE {
-                let q = Wide::<V>::load(field.add(WIDE));
-                along = along + Wide::<V>::splat(law.cohesion) * q * q;
+                let q = V::load(field.add(WIDE));
+                along = along + V::splat(law.cohesion) * q * q;
             }
             let mut force = n.times(along);
             if LEDGER {
                 heat[0] = heat[0] + contact.keep(h * c_n * sqrt_mu * u_n * u_n);
             }
 
-            if MODEL != FRICTIONLESS {
+            if let Some((dv_mid, old, was)) = before {
                 // Lever arms: l_i = d/2 - e, l_j = d/2 + e. Between equal spheres, e = 0, some terms need no computing.
                 let (arm, e) = (half * d, half * s * dr * inverse);
                 let differ = zero.less(dr.abs()).any();
@@ -124,20 +162,14 @@ pub(super) unsafe fn contacts<V: Lanes, const MODEL: u8, const COHESIVE: bool, c
 
                 // The same in the middle of the step, and the direction at its start. The direction goes with the velocities:
                 // that at the end would see contacts slip that only turn, by half a step of turning, always the same way.
-                let dv = difference::<V>(&pi, &pj, record::VELOCITY);
                 let (w_sum_mid, w_dif_mid) = sum_and_difference::<V>(&pi, &pj, record::SPIN);
-                let old = r - dv.times(h);
-                let old2 = old.dot(old);
-                let was = old2.less(s * s);
-                let old = old.times(one / old2.sqrt());
                 let mid = (old + n).times(half);
-                let u_mid = (dv - mid.times(dv.dot(mid))) - weighted(w_sum_mid, w_dif_mid, arms).cross(mid);
+                let u_mid = (dv_mid - mid.times(dv_mid.dot(mid))) - weighted(w_sum_mid, w_dif_mid, arms).cross(mid);
                 let u_mid = u_mid - n.times(u_mid.dot(n));
-                let turn = Turn::new(old, n, Wide::<V>::splat(0.25 * step) * w_sum_mid.dot(n));
+                let turn = Turn::new(old, n, V::splat(0.25 * step) * w_sum_mid.dot(n));
 
                 let at = |k: usize| field.add((memory + k) * WIDE);
-                let spring =
-                    turn.apply(Vector([Wide::<V>::load(at(0)), Wide::<V>::load(at(1)), Wide::<V>::load(at(2))]));
+                let spring = turn.apply(Vector([V::load(at(0)), V::load(at(1)), V::load(at(2))]));
                 let trial = (spring + u_mid.times(h)).kept(was);
                 let dashpot = u.times(c_t * sqrt_mu);
                 let limit = mu_s * load;
@@ -182,7 +214,7 @@ pub(super) unsafe fn contacts<V: Lanes, const MODEL: u8, const COHESIVE: bool, c
                 let lever = n.cross(rub);
                 let (mut on_i, mut on_j) = (lever.times(arm - e), lever.times(arm + e));
                 if MODEL == FULL {
-                    let q = Wide::<V>::load(field.add(WIDE));
+                    let q = V::load(field.add(WIDE));
                     let q2 = q * q;
                     let width = q * load;
                     let twist = w_dif.dot(n);
@@ -194,10 +226,9 @@ pub(super) unsafe fn contacts<V: Lanes, const MODEL: u8, const COHESIVE: bool, c
                         roll_mid = roll_mid + n.cross(u_mid).times(unequal);
                     }
 
-                    let (k_r, c_r) = (Wide::<V>::splat(law.k_r) * q2, Wide::<V>::splat(law.c_r) * q2 * sqrt_mu);
-                    let limit = Wide::<V>::splat(law.m_r) * width;
-                    let spring =
-                        turn.apply(Vector([Wide::<V>::load(at(3)), Wide::<V>::load(at(4)), Wide::<V>::load(at(5))]));
+                    let (k_r, c_r) = (V::splat(law.k_r) * q2, V::splat(law.c_r) * q2 * sqrt_mu);
+                    let limit = V::splat(law.m_r) * width;
+                    let spring = turn.apply(Vector([V::load(at(3)), V::load(at(4)), V::load(at(5))]));
                     let trial = (spring + roll_mid.times(h)).kept(was);
                     let mut spring = trial;
                     let mut torque = trial.times(k_r) + roll.times(c_r);
@@ -224,9 +255,9 @@ pub(super) unsafe fn contacts<V: Lanes, const MODEL: u8, const COHESIVE: bool, c
                         heat[4] = heat[4] + lost + slips.keep(rubbed) + beside;
                     }
 
-                    let (k_w, c_w) = (Wide::<V>::splat(law.k_w) * q2, Wide::<V>::splat(law.c_w) * q2 * sqrt_mu);
-                    let limit = Wide::<V>::splat(law.m_w) * width;
-                    let trial = was.keep(Wide::<V>::load(at(6)) + h * twist_mid);
+                    let (k_w, c_w) = (V::splat(law.k_w) * q2, V::splat(law.c_w) * q2 * sqrt_mu);
+                    let limit = V::splat(law.m_w) * width;
+                    let trial = was.keep(V::load(at(6)) + h * twist_mid);
                     let slips = contact.without((k_w * trial.abs()).less(limit));
                     let held = zero.less(trial).choose(limit, trial.less(zero).choose(-limit, zero));
                     let about = slips.choose(held, k_w * trial + c_w * twist);
@@ -243,27 +274,27 @@ pub(super) unsafe fn contacts<V: Lanes, const MODEL: u8, const COHESIVE: bool, c
                 }
                 if MODEL == DIRECTIONAL {
                     let constants = memory - 2;
-                    let age = contact.keep(was.keep(Wide::<V>::load(at(3)) + h));
+                    let age = contact.keep(was.keep(V::load(at(3)) + h));
                     age.store(at(3));
-                    let mature = contact.without(age.less(Wide::<V>::splat(law.contact_time) * sqrt_mu));
+                    let mature = contact.without(age.less(V::splat(law.contact_time) * sqrt_mu));
                     // v_rot = l_i w_i x n - l_j w_j x n; with n across it, |v_rot| = |l_i w_i - l_j w_j| across n.
                     let (w_i, w_j) = ((w_sum - w_dif).times(half), (w_sum + w_dif).times(half));
                     let rolling = w_i.times(arm - e) - w_j.times(arm + e);
                     let rolling = rolling - n.times(rolling.dot(n));
                     let speed = rolling.dot(rolling).sqrt();
-                    let per_step = Wide::<V>::splat(TAKEN_IN_A_STEP / law.step_s);
-                    let most = per_step * Wide::<V>::load(field.add(constants * WIDE)) * speed;
+                    let per_step = V::splat(TAKEN_IN_A_STEP / law.step_s);
+                    let most = per_step * V::load(field.add(constants * WIDE)) * speed;
                     // The arm of the smaller sphere, so that the torques on the two are opposite.
-                    let size = Wide::<V>::splat(law.m_r) * (arm - e.abs()) * load;
+                    let size = V::splat(law.m_r) * (arm - e.abs()) * load;
                     let size = most.less(size).choose(most, size);
                     let against_roll = rolling.times(-nonzero(speed, size / speed));
                     let twist = w_dif.dot(n);
-                    let most = per_step * Wide::<V>::load(field.add((constants + 1) * WIDE)) * twist.abs();
+                    let most = per_step * V::load(field.add((constants + 1) * WIDE)) * twist.abs();
                     // Contact-circle radius; the circle is inside the sphere, but round-off may say otherwise.
                     let radius = half * (s - dr);
                     let circle2 = radius * radius - (arm - e) * (arm - e);
                     let circle = zero.less(circle2).keep(circle2).sqrt();
-                    let size = Wide::<V>::splat(law.m_w) * circle * load;
+                    let size = V::splat(law.m_w) * circle * load;
                     let size = most.less(size).choose(most, size);
                     let about = zero.less(twist).choose(size, twist.less(zero).choose(-size, zero));
                     let torque = (against_roll + n.times(about)).kept(mature);
@@ -275,30 +306,23 @@ pub(super) unsafe fn contacts<V: Lanes, const MODEL: u8, const COHESIVE: bool, c
                 }
 
                 let (force, on_i, on_j) = (force.kept(contact), on_i.kept(contact), on_j.kept(contact));
-                for half in 0..2 {
-                    let (force, on_i, on_j) = (rows(force, half), rows(on_i, half), rows(on_j, half));
-                    for k in 0..LANES {
-                        let lane = half * LANES + k;
-                        let sum = acc.add(block.sum_i[lane] as usize * acc_stride);
-                        (V::load(sum) + force[k]).store(sum);
-                        let turn = sum.add(LANES);
-                        (V::load(turn) + on_i[k]).store(turn);
-                        let sum = acc.add(block.sum_j[lane] as usize * acc_stride);
-                        (V::load(sum) - force[k]).store(sum);
-                        let turn = sum.add(LANES);
-                        (V::load(turn) + on_j[k]).store(turn);
-                    }
+                let (force, on_i, on_j) = (V::rows(force), V::rows(on_i), V::rows(on_j));
+                for lane in 0..WIDE {
+                    let sum = acc.add(block.i[lane] as usize * acc_stride);
+                    (V::Row::load(sum) + force[lane]).store(sum);
+                    let turn = sum.add(LANES);
+                    (V::Row::load(turn) + on_i[lane]).store(turn);
+                    let sum = acc.add(block.sum_j[lane] as usize * acc_stride);
+                    (V::Row::load(sum) - force[lane]).store(sum);
+                    let turn = sum.add(LANES);
+                    (V::Row::load(turn) + on_j[lane]).store(turn);
                 }
             } else {
-                let force = force.kept(contact);
-                for half in 0..2 {
-                    for (k, force) in rows(force, half).into_iter().enumerate() {
-                        let lane = half * LANES + k;
-                        let sum = acc.add(block.sum_i[lane] as usize * acc_stride);
-                        (V::load(sum) + force).store(sum);
-                        let sum = acc.add(block.sum_j[lane] as usize * acc_stride);
-                        (V::load(sum) - force).store(sum);
-                    }
+                for (lane, force) in V::rows(force.kept(contact)).into_iter().enumerate() {
+                    let sum = acc.add(block.i[lane] as usize * acc_stride);
+                    (V::Row::load(sum) + force).store(sum);
+                    let sum = acc.add(block.sum_j[lane] as usize * acc_stride);
+                    (V::Row::load(sum) - force).store(sum);
                 }
             }
         }
@@ -344,66 +368,28 @@ fn nonzero<V: Numbers>(size: V, value: V) -> V {
     none.less(size).keep(value)
 }
 
-/// The vectors of one half of the lanes, each as a quad.
-#[inline(always)]
-fn rows<V: Lanes>(v: Vector<Wide<V>>, half: usize) -> [V; LANES] {
-    let [x, y, z] = v.0;
-    // SAFETY: there are values of the type, so the processor has it.
-    V::transpose([x.0[half], y.0[half], z.0[half], unsafe { V::splat(0.0) }])
-}
-
-/// Where the numbers `at`, `at + 1` of four records begin.
-#[inline(always)]
-unsafe fn four(p: &[*const f64; WIDE], half: usize, at: usize) -> [*const f64; LANES] {
-    let k = half * LANES;
-    unsafe { [p[k].add(at), p[k + 1].add(at), p[k + 2].add(at), p[k + 3].add(at)] }
-}
-
-/// Numbers `at` and `at + 1` of the records: their differences, j minus i, and their sums.
-#[inline(always)]
-unsafe fn both<V: Lanes>(pi: &[*const f64; WIDE], pj: &[*const f64; WIDE], at: usize) -> ([Wide<V>; 2], [Wide<V>; 2]) {
-    unsafe {
-        let (i, j) = (V::pairs(four(pi, 0, at)), V::pairs(four(pj, 0, at)));
-        let [d0, e0] = V::unzip([j[0] - i[0], j[1] - i[1]]);
-        let [s0, t0] = V::unzip([j[0] + i[0], j[1] + i[1]]);
-        let (i, j) = (V::pairs(four(pi, 1, at)), V::pairs(four(pj, 1, at)));
-        let [d1, e1] = V::unzip([j[0] - i[0], j[1] - i[1]]);
-        let [s1, t1] = V::unzip([j[0] + i[0], j[1] + i[1]]);
-        ([Wide([d0, d1]), Wide([e0, e1])], [Wide([s0, s1]), Wide([t0, t1])])
-    }
-}
-
 /// Vectors from i to j, sums of the radii and differences R_j - R_i.
 #[inline(always)]
-unsafe fn separation<V: Lanes>(
-    pi: &[*const f64; WIDE],
-    pj: &[*const f64; WIDE],
-) -> (Vector<Wide<V>>, Wide<V>, Wide<V>) {
-    unsafe {
-        let ([x, y], _) = both::<V>(pi, pj, record::PLACE * LANES);
-        let ([z, dr], [_, s]) = both::<V>(pi, pj, record::PLACE * LANES + 2);
-        (Vector([x, y, z]), s, dr)
-    }
-}
-
-/// Difference, j minus i, of the vectors in one quad of the records.
-#[inline(always)]
-unsafe fn difference<V: Lanes>(pi: &[*const f64; WIDE], pj: &[*const f64; WIDE], quad: usize) -> Vector<Wide<V>> {
-    unsafe { sum_and_difference::<V>(pi, pj, quad).1 }
+unsafe fn separation<V: Eights>(pi: &[*const f64; WIDE], pj: &[*const f64; WIDE]) -> (Vector<V>, V, V) {
+    let ([x, y, z, dr], [.., s]) = unsafe { V::columns(pi, pj, record::PLACE * LANES) };
+    (Vector([x, y, z]), s, dr)
 }
 
 /// Sum, and difference j minus i, of the vectors in one quad of the records.
 #[inline(always)]
-unsafe fn sum_and_difference<V: Lanes>(
+unsafe fn sum_and_difference<V: Eights>(
     pi: &[*const f64; WIDE],
     pj: &[*const f64; WIDE],
     quad: usize,
-) -> (Vector<Wide<V>>, Vector<Wide<V>>) {
-    unsafe {
-        let ([dx, dy], [sx, sy]) = both::<V>(pi, pj, quad * LANES);
-        let ([dz, _], [sz, _]) = both::<V>(pi, pj, quad * LANES + 2);
-        (Vector([sx, sy, sz]), Vector([dx, dy, dz]))
-    }
+) -> (Vector<V>, Vector<V>) {
+    let ([dx, dy, dz, _], [sx, sy, sz, _]) = unsafe { V::columns(pi, pj, quad * LANES) };
+    (Vector([sx, sy, sz]), Vector([dx, dy, dz]))
+}
+
+/// Difference, j minus i, of the vectors in one quad of the records.
+#[inline(always)]
+unsafe fn difference<V: Eights>(pi: &[*const f64; WIDE], pj: &[*const f64; WIDE], quad: usize) -> Vector<V> {
+    unsafe { sum_and_difference::<V>(pi, pj, quad).1 }
 }
 
 /// How a contact turned in a step: the smallest rotation that takes the old direction to the new, then a turn about that.
@@ -424,9 +410,11 @@ impl<V: Numbers> Turn<V> {
     fn new(old: Vector<V>, n: Vector<V>, t: V) -> Self {
         // SAFETY: there are values of the type, so the processor has it.
         let one = unsafe { V::splat(1.0) };
-        let halfway = (old + n).times(one / (one + old.dot(n)));
-        let t2 = t * t;
-        let norm = one / (one + t2);
+        let (t2, c) = (t * t, one + old.dot(n));
+        // One division for 1 / c and 1 / (1 + t²).
+        let both = one / (c * (one + t2));
+        let norm = c * both;
+        let halfway = (old + n).times((one + t2) * both);
         Self { n, halfway, cos: (one - t2) * norm, sin: (t + t) * norm }
     }
 

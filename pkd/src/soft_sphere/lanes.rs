@@ -1,6 +1,6 @@
-//! Four or eight numbers at a time: with AVX2 where the processor has it, plainly elsewhere, with the same bytes either way.
+//! Four or eight numbers at a time: with AVX2 or AVX-512 where the processor has it, plainly elsewhere, with the same bytes.
 //!
-//! There is no fused multiply-add and no approximate reciprocal in it, so both kinds round alike. A value of a vector
+//! There is no fused multiply-add and no approximate reciprocal in it, so all kinds round alike. A value of a vector
 //! type can only be made by an unsafe constructor, whose caller vouches for the processor; all else is safe then.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -8,7 +8,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 /// Numbers in a register.
 pub(super) const LANES: usize = 4;
 
-/// Numbers in two registers.
+/// Numbers in two registers, or in one of twice the width.
 pub(super) const WIDE: usize = 2 * LANES;
 
 /// Four numbers of one sphere, such as x, y, z and a fourth that belongs to it, aligned like a register.
@@ -22,6 +22,11 @@ impl Quad {
     }
 }
 
+/// One number of each of eight pairs, aligned like a register of eight.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[repr(C, align(64))]
+pub(super) struct Octet(pub [f64; WIDE]);
+
 /// Numbers that are reckoned with side by side. Masks are such numbers whose lanes are all ones or all zeros.
 pub(super) trait Numbers:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self> + 'static
@@ -32,7 +37,7 @@ pub(super) trait Numbers:
     /// The processor must have the instructions of the type, here and wherever the result goes.
     unsafe fn splat(value: f64) -> Self;
     /// # Safety
-    /// As [`Self::splat`]; `from` must point at a number for each lane, aligned like a [`Quad`].
+    /// As [`Self::splat`]; `from` must point at a number for each lane, aligned like a [`Quad`] or [`Octet`] of as many.
     unsafe fn load(from: *const f64) -> Self;
     /// # Safety
     /// As [`Self::load`], for writing.
@@ -66,6 +71,28 @@ pub(super) trait Lanes: Numbers {
     fn unzip(pairs: [Self; 2]) -> [Self; 2];
     /// Rows to columns.
     fn transpose(rows: [Self; LANES]) -> [Self; LANES];
+    /// As [`Eights::fetch`].
+    fn fetch(from: *const f64);
+}
+
+/// Eight numbers, one of each of eight pairs of spheres.
+pub(super) trait Eights: Numbers {
+    /// Four numbers of one sphere.
+    type Row: Lanes;
+    /// Of the quads `at` which these places of the eight first and second spheres have: the columns of their differences,
+    /// second minus first, and of their sums. What is not used of them costs nothing.
+    ///
+    /// # Safety
+    /// As [`Numbers::splat`]; a quad must be `at` numbers behind each pointer.
+    unsafe fn columns(
+        first: &[*const f64; WIDE],
+        second: &[*const f64; WIDE],
+        at: usize,
+    ) -> ([Self; LANES], [Self; LANES]);
+    /// Asks for the line of the cache at a place, which need not exist.
+    fn fetch(from: *const f64);
+    /// The vectors, each as a quad whose fourth number is 0.
+    fn rows(v: Vector<Self>) -> [Self::Row; WIDE];
 }
 
 /// Two registers side by side: the second keeps the processor busy while the first waits for its divisions.
@@ -145,6 +172,68 @@ impl<V: Lanes> Numbers for Wide<V> {
     fn largest(self) -> f64 {
         self.0[0].largest().max(self.0[1].largest())
     }
+}
+
+impl<V: Lanes> Eights for Wide<V> {
+    type Row = V;
+
+    #[inline(always)]
+    unsafe fn columns(
+        first: &[*const f64; WIDE],
+        second: &[*const f64; WIDE],
+        at: usize,
+    ) -> ([Self; LANES], [Self; LANES]) {
+        unsafe {
+            let ([x, y], [sx, sy]) = two_columns(first, second, at);
+            let ([z, w], [sz, sw]) = two_columns(first, second, at + 2);
+            ([x, y, z, w], [sx, sy, sz, sw])
+        }
+    }
+
+    #[inline(always)]
+    fn fetch(from: *const f64) {
+        V::fetch(from);
+    }
+
+    #[inline(always)]
+    fn rows(v: Vector<Self>) -> [V; WIDE] {
+        let (low, high) = (half_rows(v, 0), half_rows(v, 1));
+        [low[0], low[1], low[2], low[3], high[0], high[1], high[2], high[3]]
+    }
+}
+
+// Functions and not closures: a closure is compiled without the instructions of the function around it.
+
+/// Two columns of [`Eights::columns`], from the one `at` numbers behind each pointer.
+#[inline(always)]
+unsafe fn two_columns<V: Lanes>(
+    first: &[*const f64; WIDE],
+    second: &[*const f64; WIDE],
+    at: usize,
+) -> ([Wide<V>; 2], [Wide<V>; 2]) {
+    unsafe {
+        let (i, j) = (V::pairs(four(first, 0, at)), V::pairs(four(second, 0, at)));
+        let [d0, e0] = V::unzip([j[0] - i[0], j[1] - i[1]]);
+        let [s0, t0] = V::unzip([j[0] + i[0], j[1] + i[1]]);
+        let (i, j) = (V::pairs(four(first, LANES, at)), V::pairs(four(second, LANES, at)));
+        let [d1, e1] = V::unzip([j[0] - i[0], j[1] - i[1]]);
+        let [s1, t1] = V::unzip([j[0] + i[0], j[1] + i[1]]);
+        ([Wide([d0, d1]), Wide([e0, e1])], [Wide([s0, s1]), Wide([t0, t1])])
+    }
+}
+
+/// `at` numbers behind four of the pointers.
+#[inline(always)]
+unsafe fn four(p: &[*const f64; WIDE], k: usize, at: usize) -> [*const f64; LANES] {
+    unsafe { [p[k].add(at), p[k + 1].add(at), p[k + 2].add(at), p[k + 3].add(at)] }
+}
+
+/// The vectors of one half of the lanes, each as a quad.
+#[inline(always)]
+fn half_rows<V: Lanes>(v: Vector<Wide<V>>, half: usize) -> [V; LANES] {
+    let [x, y, z] = v.0;
+    // SAFETY: there are values of the type, so the processor has it.
+    V::transpose([x.0[half], y.0[half], z.0[half], unsafe { V::splat(0.0) }])
 }
 
 /// [`Lanes`] for any processor.
@@ -250,10 +339,15 @@ impl Lanes for Plain {
     fn transpose(rows: [Self; LANES]) -> [Self; LANES] {
         std::array::from_fn(|k| Self(rows.map(|row| row.0[k])))
     }
+    /// The processor finds what it needs when it needs it.
+    #[inline(always)]
+    fn fetch(_: *const f64) {}
 }
 
 #[cfg(target_arch = "x86_64")]
-pub(super) use x86::Avx2;
+mod avx512;
+#[cfg(target_arch = "x86_64")]
+pub(super) use {avx512::Avx512, x86::Avx2};
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
@@ -262,7 +356,7 @@ mod x86 {
 
     /// [`Lanes`] for processors with AVX2. Having a value of it is the proof that the processor has.
     #[derive(Debug, Clone, Copy)]
-    pub(in super::super) struct Avx2(__m256d);
+    pub(in super::super) struct Avx2(pub(super) __m256d);
 
     macro_rules! operator {
         ($($name:ident $function:ident $intrinsic:ident),*) => {$(
@@ -338,6 +432,10 @@ mod x86 {
     }
 
     impl Lanes for Avx2 {
+        #[inline(always)]
+        fn fetch(from: *const f64) {
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(from.cast()) }
+        }
         #[inline(always)]
         unsafe fn pairs([a, b, c, d]: [*const f64; LANES]) -> [Self; 2] {
             unsafe {

@@ -8,19 +8,23 @@
 use super::coefficients::Coefficients;
 use super::history::Contact;
 use super::kernel::Heat;
-use super::lanes::{LANES, Quad, WIDE};
+use super::lanes::{LANES, Octet, Quad, WIDE};
 use super::record;
 
 /// Spheres of a chunk: their records, sums and pairs fit the second-level cache of a core.
 pub(super) const CHUNK: usize = 512;
 
-/// Eight pairs: the rows of their spheres, and the places of these in the chunk's sums.
+/// Eight pairs. Small, since all of them are read in every step.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Eight {
-    pub i: [u32; WIDE],
+    /// Rows of the second spheres.
     pub j: [u32; WIDE],
-    pub sum_i: [u32; WIDE],
+    /// Places of these in the chunk's sums.
     pub sum_j: [u32; WIDE],
+    /// Places of the first spheres in the chunk and in its sums.
+    pub i: [u16; WIDE],
+    /// Whether one of the pairs may remember something.
+    pub remembers: bool,
 }
 
 /// A contribution to the sums of an own sphere that another chunk has computed.
@@ -38,7 +42,7 @@ pub(super) struct Incoming {
 pub(super) struct Chunk {
     pub index: Vec<Eight>,
     /// For each eight pairs: constants, then memory, as [`record`] says.
-    pub fields: Vec<Quad>,
+    pub fields: Vec<Octet>,
     /// Forces and torques: own spheres, then foreign ones, then some that nobody asks for.
     pub sums: Vec<Quad>,
     /// Spheres of its own.
@@ -48,6 +52,8 @@ pub(super) struct Chunk {
     /// Deepest overlap seen, over the smaller radius.
     pub deepest: f64,
     pub heat: Heat,
+    /// Row of the first of its spheres.
+    pub first: u32,
 }
 
 /// All chunks of a body.
@@ -104,29 +110,27 @@ impl Pairs {
             let mut chunk = std::mem::take(&mut self.chunks[c]);
             chunk.index.clear();
             chunk.fields.clear();
-            chunk.own = own.len();
+            (chunk.first, chunk.own) = (own.start as u32, own.len());
             separate.clear();
             let mut lane = 0;
             // Pairs that touch come first: eights that do not are passed over quickly.
             for &(i, j) in here {
                 let [one, other] = [i, j].map(|s| &records[s as usize * quads + record::PLACE]);
                 if (other.xyz() - one.xyz()).norm() < one.0[3] + other.0[3] {
-                    let sums = [sum_of(i), sum_of(j)];
-                    self.push(&mut chunk, &mut lane, (i, j), sums, remembered, records, law);
+                    self.push(&mut chunk, &mut lane, (i, j), sum_of(j), remembered, records, law);
                 } else {
                     separate.push((i, j));
                 }
             }
             lane = 0;
             for &(i, j) in &separate {
-                let sums = [sum_of(i), sum_of(j)];
-                self.push(&mut chunk, &mut lane, (i, j), sums, remembered, records, law);
+                self.push(&mut chunk, &mut lane, (i, j), sum_of(j), remembered, records, law);
             }
             let nobody = (own.len() + foreign.len()) as u32;
             for eight in &mut chunk.index {
                 for lane in 0..WIDE {
                     if eight.j[lane] == self.nobody {
-                        (eight.sum_i[lane], eight.sum_j[lane]) = (nobody, nobody);
+                        eight.sum_j[lane] = nobody;
                     }
                 }
             }
@@ -155,7 +159,7 @@ impl Pairs {
         chunk: &mut Chunk,
         lane: &mut usize,
         (i, j): (u32, u32),
-        [sum_i, sum_j]: [u32; 2],
+        sum_j: u32,
         remembered: &[Contact],
         records: &[Quad],
         law: &Coefficients,
@@ -164,15 +168,15 @@ impl Pairs {
         let (constants, width) =
             (record::constants(self.model, self.cohesive), record::fields(self.model, self.cohesive));
         if *lane == 0 {
-            let filling = Eight { i: [i; WIDE], j: [self.nobody; WIDE], sum_i: [0; WIDE], sum_j: [0; WIDE] };
-            chunk.index.push(filling);
-            chunk.fields.extend(std::iter::repeat_n(Quad::default(), width * WIDE / LANES));
+            // Nobody's forces are none, so they may be added to those of any sphere.
+            let j = [self.nobody; WIDE];
+            chunk.index.push(Eight { j, sum_j: [0; WIDE], i: [(i - chunk.first) as u16; WIDE], remembers: true });
+            chunk.fields.extend(std::iter::repeat_n(Octet::default(), width));
         }
         let eight = chunk.index.last_mut().expect("one was pushed for the first lane");
-        (eight.i[*lane], eight.j[*lane], eight.sum_i[*lane], eight.sum_j[*lane]) = (i, j, sum_i, sum_j);
-        let at = chunk.fields.len() - width * WIDE / LANES;
-        let (half, within) = (*lane / LANES, *lane % LANES);
-        let mut fields = chunk.fields[at + half..].iter_mut().step_by(WIDE / LANES).map(|quad| &mut quad.0[within]);
+        (eight.i[*lane], eight.j[*lane], eight.sum_j[*lane]) = ((i - chunk.first) as u16, j, sum_j);
+        let at = chunk.fields.len() - width;
+        let mut fields = chunk.fields[at..].iter_mut().map(|octet| &mut octet.0[*lane]);
         self::constants(self.model, self.cohesive, law, [i, j].map(|s| &records[s as usize * quads..]))
             .into_iter()
             .zip(fields.by_ref().take(constants))
@@ -188,11 +192,12 @@ impl Pairs {
         let (constants, fields) =
             (record::constants(self.model, self.cohesive), record::fields(self.model, self.cohesive));
         for chunk in &self.chunks {
-            for (eight, fields) in chunk.index.iter().zip(chunk.fields.chunks_exact(fields * WIDE / LANES)) {
+            for (eight, fields) in chunk.index.iter().zip(chunk.fields.chunks_exact(fields)) {
                 for lane in 0..WIDE {
                     if eight.j[lane] != self.nobody {
-                        let memory = |k: usize| fields[(constants + k) * WIDE / LANES + lane / LANES].0[lane % LANES];
-                        visit(get_memory(self.model, eight.i[lane], eight.j[lane], memory));
+                        let memory = |k: usize| fields[constants + k].0[lane];
+                        let i = chunk.first + u32::from(eight.i[lane]);
+                        visit(get_memory(self.model, i, eight.j[lane], memory));
                     }
                 }
             }

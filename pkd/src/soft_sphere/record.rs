@@ -64,7 +64,7 @@ pub(super) const fn memory(model: u8) -> usize {
     }
 }
 
-/// Constants and memory of a pair: each takes two quads for eight pairs.
+/// Constants and memory of a pair: each takes an octet for eight pairs.
 pub(super) const fn fields(model: u8, cohesive: bool) -> usize {
     constants(model, cohesive) + memory(model)
 }
