@@ -1,10 +1,11 @@
-"""The brief question beside the full one, and what moves without sunlight: bodies from one settled file each, and that file moved by 1e-9 m.
+"""What makes hand-offs cheaper beside what is dear, and what moves without sunlight: bodies from one settled file each, and that file moved by 1e-9 m.
 
     python3 docs/results/handoff_question.py run 02=0.1 04=0.5     # builds the bodies, then runs of so many Myr
+    python3 docs/results/handoff_question.py run 02 --ways brief collapse-1e-3
     python3 docs/results/handoff_question.py table                 # what they show
     python3 docs/results/handoff_question.py creep 02 04           # the same bodies without sunlight
 
-The dynamics is chaotic: what the brief question changes is judged against what 1e-9 m change. Everything is in
+The dynamics is chaotic: what the brief question or a larger collapse limit change is judged against what 1e-9 m change. Everything is in
 out/handoff_question (--out) and is resumed where it is there already. Needs nothing but Python.
 """
 
@@ -18,12 +19,18 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PERTURBATION_M = 1e-9
-VARIANTS = {name: (question, copy) for question in ("full", "brief") for copy, name in enumerate((question, f"{question}, perturbed"))}
+WAYS = {  # what differs from the scene: place and value
+    "full": ("settling.question", "full"),
+    "brief": ("settling.question", "brief"),
+    "collapse-1e-4": ("contact.hard_sphere.collapse_limit", 1e-4),
+    "collapse-1e-3": ("contact.hard_sphere.collapse_limit", 1e-3),
+}
 
 
 def yorp(options, *arguments):
-    """Runs the program on one thread; its JSON answer, or the end if it fails."""
-    done = subprocess.run([options.yorp, *map(str, arguments), "--threads", "1", "--json"], capture_output=True, text=True)
+    """Asks the program, on one thread; its JSON answer, or the end if it fails."""
+    threads = [] if arguments[0] == "classify" else ["--threads", "1"]
+    done = subprocess.run([options.yorp, *map(str, arguments), *threads, "--json"], capture_output=True, text=True)
     if done.returncode:
         sys.exit(f"yorp {' '.join(map(str, arguments))}: {done.stderr.strip().splitlines()[-1]}")
     return json.loads(done.stdout)
@@ -45,12 +52,17 @@ def body(options, name, copy):
     return path
 
 
-def scene(options, name, question, copy):
-    """The scene with that body and that question; a settled body needs one block of settling."""
+def scene(options, name, way, copy):
+    """The scene with that body and in that way."""
     text = json.loads((options.scenes / f"{name}.json").read_text())
     text["body"] = {"file": {"path": body(options, name, copy).name}}
-    text["settling"]["question"] = question
-    path = options.out / f"{name}-{question}-{copy}.json"
+    place, value = WAYS[way]
+    *folders, key = place.split(".")
+    part = text
+    for folder in folders:
+        part = part[folder]
+    part[key] = {"brief": {}} if value == "brief" else value
+    path = options.out / f"{name}-{way}-{copy}.json"
     path.write_text(json.dumps(text, indent=2))
     return path
 
@@ -60,26 +72,28 @@ def run(options):
     goals = {name: float(myr or 0.1) for name, _, myr in (word.partition("=") for word in options.names)}
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
         list(pool.map(lambda name: body(options, name, 1), goals))
-        tasks = [(name, *variant) for name in goals for variant in VARIANTS.values()]
+        tasks = [(name, way, copy) for name in goals for way in options.ways for copy in (0, 1)]
         list(pool.map(lambda task: advance(options, goals[task[0]], *task), tasks))
 
 
-def advance(options, myr, name, question, copy):
-    directory = options.out / f"{name}-{question}-{copy}"
+def advance(options, myr, name, way, copy):
+    directory = options.out / f"{name}-{way}-{copy}"
     resume = ["--resume"] if (directory / "run.sqlite").exists() else []
-    yorp(options, "run", scene(options, name, question, copy), "--out", directory, "--until-myr", myr, *resume)
+    yorp(options, "run", scene(options, name, way, copy), "--out", directory, "--until-myr", myr, *resume)
 
 
 def table(options):
-    """Movements by body and question."""
-    print("| body | question | Myr | hand-offs | movements | a Myr | spheres: median, mean | inner half | outer tenth | CPU s a check | a movement |")
+    """Movements by body and way."""
+    print("| body | way | Myr | hand-offs | movements | a Myr | spheres: median, mean | inner half | outer tenth | CPU s a check | a movement |")
     print("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |")
     for path in sorted(options.out.glob("*-0.csv")):
         name = path.stem[:-2]
-        for label, (question, copy) in VARIANTS.items():
-            directory = options.out / f"{name}-{question}-{copy}"
-            if (directory / "run.sqlite").exists():
-                print(row(name, label, yorp(options, "classify", directory)))
+        for way in WAYS:
+            for copy in (0, 1):
+                directory = options.out / f"{name}-{way}-{copy}"
+                if (directory / "run.sqlite").exists():
+                    label = way.replace("-", " limit ", 1) + ", perturbed" * copy
+                    print(row(name, label, yorp(options, "classify", directory)))
 
 
 def row(name, label, found):
@@ -115,6 +129,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("verb", choices=["run", "table", "creep"])
     parser.add_argument("names", nargs="*", help="scenes: NAME, or NAME=MYR")
+    parser.add_argument("--ways", nargs="*", choices=WAYS, default=list(WAYS), help="ways to run them")
     parser.add_argument("--out", type=pathlib.Path, default=ROOT / "out" / "handoff_question")
     parser.add_argument("--scenes", type=pathlib.Path, default=ROOT / "scenarios" / "cotto_figueroa_2015")
     parser.add_argument("--yorp", type=pathlib.Path, default=ROOT / "target" / "release" / "yorp")
