@@ -135,7 +135,9 @@ fn keep_up(directory: &Path, folder: &Path) -> Result<(RunData, PathBuf, Watched
     let again = || {
         let run = RunData::read(directory)?;
         let over = is_over(&run);
-        let written = write(&run, folder, (!over).then_some(LOOK_EVERY_S))?;
+        // A page of many shapes takes its reader a while to open.
+        let fresh_every_s = LOOK_EVERY_S + (run.configurations.len() / 25) as u32;
+        let written = write(&run, folder, (!over).then_some(fresh_every_s))?;
         eprintln!("{}: {}", written.display(), standing(&run));
         Ok::<_, CliError>(over)
     };

@@ -227,9 +227,12 @@ fn pair_text(track: &PairTrack) -> String {
             format!("in orbit after {days:.1} d{orbit}")
         }
     };
-    let [one, other] = track.spin_rate.map(|omega| std::f64::consts::TAU / omega / 3600.0);
+    let [one, other] = track.spin_rate.map(|omega| match omega {
+        0.0 => "none".to_owned(),
+        _ => format!("{:.4} h", std::f64::consts::TAU / omega / 3600.0),
+    });
     format!(
-        "{fate}\nspin periods {one:.4} h and {other:.4} h; {} steps of {:.1} s, drift: energy {:.1e}, angular momentum {:.1e}\n",
+        "{fate}\nspin periods {one} and {other}; {} steps of {:.1} s, drift: energy {:.1e}, angular momentum {:.1e}\n",
         track.steps, track.step_s, track.energy_drift, track.angular_momentum_drift
     )
 }
