@@ -15,6 +15,7 @@ pub fn tables(run: &RunData) -> Vec<Table> {
         movements(run),
         losses(run),
         fates(run),
+        fission(run),
         rigid(run),
     ]
 }
@@ -178,6 +179,27 @@ fn fates(run: &RunData) -> Table {
         ("returned", Column::whole(fates().map(|f| f.returned))),
     ];
     Table { name: "fates", columns }
+}
+
+/// One row if the run ended so and the pieces were followed.
+fn fission(run: &RunData) -> Table {
+    let pieces = || run.fission.iter().map(|(_, fission)| fission);
+    let orbit = |k: usize| Column::optional(pieces().map(move |f| f.orbit.map(|orbit| orbit[k])));
+    let columns = vec![
+        ("leg", Column::optional_whole(run.fission.iter().map(|(leg, _)| *leg))),
+        ("body_mass_kg", Column::number(pieces().map(|f| f.mass_kg[0]))),
+        ("piece_mass_kg", Column::number(pieces().map(|f| f.mass_kg[1]))),
+        ("piece_spheres", Column::whole(pieces().map(|f| f.spheres.len() as i64))),
+        ("fate", Column::text(pieces().map(|f| &f.fate))),
+        ("t_s", Column::number(pieces().map(|f| f.t_s))),
+        ("speed_m_s", Column::optional(pieces().map(|f| f.speed_m_s))),
+        ("semimajor_axis_m", orbit(0)),
+        ("eccentricity", orbit(1)),
+        ("inclination_rad", orbit(2)),
+        ("body_spin_rad_s", Column::number(pieces().map(|f| f.spin_rate[0]))),
+        ("piece_spin_rad_s", Column::number(pieces().map(|f| f.spin_rate[1]))),
+    ];
+    Table { name: "fission", columns }
 }
 
 fn rigid(run: &RunData) -> Table {
