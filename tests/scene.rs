@@ -128,14 +128,16 @@ fn paper_table_1_is_what_the_scenes_hold() {
         let Body::PackedEllipsoid(body) = &scene.body else { panic!("a packing") };
         assert_eq!((body.b_over_a, body.c_over_a, scene.spin.period_h), expected, "simulation {number}");
         assert_eq!((body.spheres, body.radius_m, body.grain_density_kg_m3), (1000, 50.2, 2960.0));
-        assert_eq!((scene.seed, scene.tiling.facets), (number, 784));
+        // The first packing of the series n, n + 100, ... that would spin up.
+        assert_eq!((scene.seed % 100, scene.tiling.facets), (number, 784));
         assert_eq!(scene.spin.obliquity_deg, if number == 16 { 85.0 } else { 5.0 });
     }
     for number in [6, 8, 10, 13] {
         let read = |suffix| {
             SceneFile::read(&scenarios().join(format!("cotto_figueroa_2015/{number:02}{suffix}.json"))).unwrap().scene
         };
-        assert_eq!((read("h").tiling.facets, read("h").body), (3184, read("").body));
+        let (high, low) = (read("h"), read(""));
+        assert_eq!((high.tiling.facets, high.body, high.seed), (3184, low.body, low.seed));
     }
 }
 
