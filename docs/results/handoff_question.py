@@ -32,7 +32,7 @@ def yorp(options, *arguments):
     threads = [] if arguments[0] == "classify" else ["--threads", "1"]
     done = subprocess.run([options.yorp, *map(str, arguments), *threads, "--json"], capture_output=True, text=True)
     if done.returncode:
-        sys.exit(f"yorp {' '.join(map(str, arguments))}: {done.stderr.strip().splitlines()[-1]}")
+        sys.exit(f"yorp {' '.join(map(str, arguments))}: failed:\n{done.stderr.strip()}")
     return json.loads(done.stdout)
 
 
