@@ -32,7 +32,7 @@ def yorp(options, *arguments):
     threads = [] if arguments[0] == "classify" else ["--threads", "1"]
     done = subprocess.run([options.yorp, *map(str, arguments), *threads, "--json"], capture_output=True, text=True)
     if done.returncode:
-        sys.exit(f"yorp {' '.join(map(str, arguments))}: failed:\n{done.stderr.strip()}")
+        sys.exit(f"yorp {' '.join(map(str, arguments))} failed:\n{done.stderr.strip()}")
     return json.loads(done.stdout)
 
 
@@ -60,7 +60,7 @@ def scene(options, name, way, copy):
     *folders, key = place.split(".")
     part = text
     for folder in folders:
-        part = part[folder]
+        part = part.setdefault(folder, {})
     part[key] = {"brief": {}} if value == "brief" else value
     path = options.out / f"{name}-{way}-{copy}.json"
     path.write_text(json.dumps(text, indent=2))

@@ -33,7 +33,7 @@ pub struct Check {
     pub movement: Option<Movement>,
     /// Work and conservation.
     pub dynamics: DynamicsRecord,
-    /// Whether the last block was without movement.
+    /// Whether the last block was without movement, or the movement need not end because the leg is repeated.
     pub settled: bool,
     /// Where the aggregate was last seen at rest, for the next question.
     pub rest: Option<Rest>,
