@@ -3,7 +3,7 @@
 //!
 //! The counter is contacts times steps, so 25 Mitem/s are 40 ns per contact and step. Everything a step does is in it:
 //! forces, motion, the field in the body frame and the watch over the lists of neighbours. The body is at rest, so that
-//! contacts are what takes the time: each call of some hundred steps lays out the spheres, lists the neighbours and
+//! contacts are what takes the time: each call of 800 to 2000 steps lays out the spheres, lists the neighbours and
 //! evaluates gravity once, as any call does, and not again.
 
 use divan::{Bencher, counter::ItemsCount};
@@ -73,7 +73,7 @@ fn dense(count: usize) -> &'static (Spheres, f64) {
 /// Times some steps of a model.
 fn contacts(bencher: Bencher, count: usize, friction: Friction, threads: usize) {
     let (body, stiffness) = dense(count);
-    let steps = (4_000_000 / count).clamp(200, 1000) as f64;
+    let steps = (32_000_000 / count).clamp(800, 2000) as f64;
     let parameters = SoftSphereParameters {
         friction,
         max_overlap: 0.5,

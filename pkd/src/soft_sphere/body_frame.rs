@@ -6,7 +6,7 @@
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use super::lanes::Quad;
-use super::record::{FRICTIONLESS, PLACE, PREDICTED, SPIN, VELOCITY, quads};
+use super::record::{FRICTIONLESS, PLACE, VELOCITY, quads, spin};
 
 /// Where the body frame is, as a function of time since it was last fitted.
 #[derive(Debug, Clone, Copy)]
@@ -20,21 +20,22 @@ pub(super) struct BodyFrame {
 }
 
 impl BodyFrame {
-    /// A frame at the first `n` spheres' centre of mass that turns with their angular momentum, with the axes `turn`.
-    pub fn of(model: u8, records: &[Quad], n: usize, turn: Matrix3<f64>) -> Self {
-        let spheres = || records.chunks_exact(quads(model)).take(n);
-        let mass: f64 = spheres().map(|s| s[PREDICTED].0[3]).sum();
-        let mean = |quad: usize| spheres().map(|s| s[quad].xyz() * s[PREDICTED].0[3]).sum::<Vector3<f64>>() / mass;
+    /// A frame at the centre of the `masses`, kg, of the first spheres that turns with their angular momentum, with the
+    /// axes `turn`.
+    pub fn of(model: u8, records: &[Quad], masses: &[f64], turn: Matrix3<f64>) -> Self {
+        let spheres = || records.chunks_exact(quads(model)).zip(masses);
+        let mass: f64 = masses.iter().sum();
+        let mean = |quad: usize| spheres().map(|(s, m)| s[quad].xyz() * *m).sum::<Vector3<f64>>() / mass;
         let (centre, velocity) = (mean(PLACE), mean(VELOCITY));
         let (mut inertia, mut momentum) = (Matrix3::zeros(), Vector3::zeros());
-        for s in spheres() {
-            let (m, radius) = (s[PREDICTED].0[3], s[PLACE].0[3]);
+        for (s, &m) in spheres() {
+            let radius = s[PLACE].0[3];
             let (r, v) = (s[PLACE].xyz() - centre, s[VELOCITY].xyz() - velocity);
             let own = 0.4 * m * radius * radius;
             inertia += (Matrix3::identity() * r.norm_squared() - r * r.transpose()) * m + Matrix3::identity() * own;
             momentum += r.cross(&v) * m;
             if model != FRICTIONLESS {
-                momentum += s[SPIN].xyz() * own;
+                momentum += spin(s) * own;
             }
         }
         // Out of the range of f64 the frame stands still: any frame is right, only some are useful.

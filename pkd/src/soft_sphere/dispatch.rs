@@ -18,7 +18,7 @@ pub(super) type Contacts = unsafe fn(&Coefficients, f64, &[Quad], &mut Chunk);
 ///
 /// # Safety
 /// As there, but for the processor, which has been looked at.
-pub(super) type Advance = unsafe fn(f64, &Frames, &mut [Quad], &mut [Quad], &[Quad]) -> Moved;
+pub(super) type Advance = unsafe fn(f64, &Frames, &mut [Quad], &[[f64; 2]], &mut [Quad], &[Quad]) -> Moved;
 
 /// The kernels of a run.
 #[derive(Debug, Clone, Copy)]
@@ -145,10 +145,11 @@ mod x86 {
         step: f64,
         frames: &Frames,
         records: &mut [Quad],
+        inverses: &[[f64; 2]],
         guides: &mut [Quad],
         sums: &[Quad],
     ) -> Moved {
-        unsafe { super::advance::<Avx2, MODEL, FIELD>(step, frames, records, guides, sums) }
+        unsafe { super::advance::<Avx2, MODEL, FIELD>(step, frames, records, inverses, guides, sums) }
     }
 
     /// Fours too, but with twice as many registers to keep the frames in.
@@ -157,9 +158,10 @@ mod x86 {
         step: f64,
         frames: &Frames,
         records: &mut [Quad],
+        inverses: &[[f64; 2]],
         guides: &mut [Quad],
         sums: &[Quad],
     ) -> Moved {
-        unsafe { super::advance::<Avx2, MODEL, FIELD>(step, frames, records, guides, sums) }
+        unsafe { super::advance::<Avx2, MODEL, FIELD>(step, frames, records, inverses, guides, sums) }
     }
 }

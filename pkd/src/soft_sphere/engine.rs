@@ -12,10 +12,10 @@ use super::dispatch::{Kernels, Processor};
 use super::history::{Contact, ContactHistory};
 use super::kernel::Heat;
 use super::lanes::{LANES, Quad};
-use super::motion::{ATTRACTED, FIELD, FROZEN, Frames, GIVEN, LISTED, Moved, NONE, NOW, collect, guide_quads};
-use super::pairs::{CHUNK, Pairs};
+use super::motion::{FIELD, FROZEN, Frames, GIVEN, MASS, Moved, NONE, SEEN, collect, guide_quads};
+use super::pairs::{self, CHUNK, Pairs};
 use super::parameters::{Gravity, SoftSphereParameters};
-use super::record::{self, FRICTIONLESS, PLACE, PREDICTED, PREDICTED_SPIN, SPIN, VELOCITY};
+use super::record::{self, FRICTIONLESS, Lines, PLACE, PREDICTED, SPINS, VELOCITY};
 use super::report::Energy;
 use super::search::{near_pairs, order_in_space};
 use crate::gravity::Accelerations;
@@ -48,10 +48,15 @@ pub(super) struct Engine<'a> {
     n: usize,
     /// Row of the caller's spheres for each of ours.
     rows: Vec<u32>,
-    records: Vec<Quad>,
+    masses: Vec<f64>,
+    records: Lines,
+    /// 1 / mass and 1 / moment of inertia, in fours.
+    inverses: Vec<[f64; 2]>,
     guides: Vec<Quad>,
     pairs: Pairs,
     near: Vec<(u32, u32)>,
+    /// Places in the body frame when the neighbours were listed.
+    listed: [Vec<f64>; 3],
     frame: BodyFrame,
     correction: [f64; 3],
     moved: Vec<Moved>,
@@ -83,7 +88,8 @@ impl<'a> Engine<'a> {
         let n = spheres.len();
         let rows = order_in_space(spheres.coordinates());
         let records = records(model, spheres, &rows);
-        let frame = BodyFrame::of(model, &records, n, Matrix3::identity());
+        let masses: Vec<f64> = rows.iter().map(|row| spheres.mass[*row as usize]).collect();
+        let frame = BodyFrame::of(model, &records, &masses, Matrix3::identity());
         let mut engine = Self {
             gravity,
             parameters,
@@ -92,11 +98,14 @@ impl<'a> Engine<'a> {
             model,
             field,
             n,
+            inverses: inverses(&masses, spheres, &rows),
+            guides: guides(field, &masses),
             rows,
+            masses,
             records,
-            guides: vec![Quad::default(); n.div_ceil(LANES) * guide_quads(field)],
             pairs: Pairs::new(model, parameters.cohesion_pa > 0.0),
             near: Vec::new(),
+            listed: Default::default(),
             frame,
             correction: [0.0; 3],
             moved: vec![Moved::default(); n.div_ceil(CHUNK)],
@@ -107,6 +116,7 @@ impl<'a> Engine<'a> {
         engine.list(&engine.internal(history));
         engine.refuse_coincident()?;
         engine.attract()?;
+        engine.note();
         engine.push(0.0)?;
         Ok(engine)
     }
@@ -123,7 +133,7 @@ impl<'a> Engine<'a> {
             self.time = taken as f64 * step;
             let moved = self.advance(step, &frames);
             self.correction = angular_acceleration(moved.torque, moved.moments);
-            if moved.strayed || moved.stale {
+            if moved.away {
                 self.renew()?;
             }
             if self.field == GIVEN {
@@ -139,7 +149,7 @@ impl<'a> Engine<'a> {
     pub fn finish(&self, spheres: &mut Spheres) -> ContactHistory {
         for (s, &row) in self.records.chunks_exact(record::quads(self.model)).zip(&self.rows) {
             let row = row as usize;
-            let spin = if self.model == FRICTIONLESS { spheres.spin(row) } else { s[SPIN].xyz().into() };
+            let spin = if self.model == FRICTIONLESS { spheres.spin(row) } else { record::spin(s).into() };
             spheres.set(row, s[PLACE].xyz().into(), s[VELOCITY].xyz().into(), spin);
         }
         let external = |c: Contact| {
@@ -161,7 +171,7 @@ impl<'a> Engine<'a> {
                 let row = self.rows[c * CHUNK + own] as usize;
                 forces[row] = chunk.sums[own * width].xyz().into();
                 if self.model != FRICTIONLESS {
-                    torques[row] = chunk.sums[own * width + 1].xyz().into();
+                    torques[row] = record::torque(&chunk.sums[own * width..]).into();
                 }
             }
             chunk.sums = sums;
@@ -182,11 +192,12 @@ impl<'a> Engine<'a> {
     /// Bytes in use.
     pub fn bytes(&self) -> usize {
         size_of_val(&*self.records)
+            + size_of_val(&*self.inverses)
             + size_of_val(&*self.guides)
             + size_of_val(&*self.near)
             + size_of_val(&*self.rows)
             + self.pairs.bytes()
-            + 4 * size_of_val(&*self.accelerations.x)
+            + 8 * size_of_val(&*self.masses)
     }
 
     /// Number of contacts and the energy of their springs.
@@ -226,7 +237,22 @@ impl<'a> Engine<'a> {
         [0, 1, 2].map(|k| self.records.chunks_exact(quads).take(self.n).map(|s| s[PLACE].0[k]).collect())
     }
 
-    /// Lists the neighbours anew, and notes where all spheres are.
+    /// The places in the body frame.
+    fn places(&self) -> Vec<Vector3<f64>> {
+        let (turn, centre) = (self.frame.turn(), self.frame.centre());
+        let records = self.records.chunks_exact(record::quads(self.model)).take(self.n);
+        records.map(|s| turn.tr_mul(&(s[PLACE].xyz() - centre))).collect()
+    }
+
+    /// How far a sphere may get from where it was last looked at, over its radius.
+    fn watch(&self) -> f64 {
+        match self.parameters.gravity {
+            Gravity::BodyFrame { tolerance } => tolerance.min(self.parameters.skin),
+            _ => self.parameters.skin,
+        }
+    }
+
+    /// Lists the neighbours anew.
     fn list(&mut self, remembered: &[Contact]) {
         self.work.list_rebuilds += 1;
         let quads = record::quads(self.model);
@@ -234,72 +260,69 @@ impl<'a> Engine<'a> {
         let skin = 1.0 + self.parameters.skin;
         let reach: Vec<f64> = self.records.chunks_exact(quads).take(self.n).map(|s| s[PLACE].0[3] * skin).collect();
         near_pairs([&x, &y, &z], &reach, &mut self.near);
-        self.pairs.fill(self.n, &self.near, remembered, &self.records, &self.law);
+        let of = pairs::Spheres { records: &self.records, inverses: &self.inverses, law: &self.law };
+        self.pairs.fill(self.n, &self.near, remembered, &of);
         self.near = Vec::new();
-        self.note(LISTED, self.parameters.skin);
+        let places = self.places();
+        self.listed = [0, 1, 2].map(|k| places.iter().map(|y| y[k]).collect());
     }
 
-    /// Notes the places in the body frame, and how far a sphere may stray from them: a fraction of its radius.
-    fn note(&mut self, reference: usize, fraction: f64) {
-        let (turn, centre) = (self.frame.turn(), self.frame.centre());
-        let (quads, guide) = (record::quads(self.model), guide_quads(self.field));
-        for (four, guide) in self.guides.chunks_exact_mut(guide).enumerate() {
-            for lane in 0..LANES {
-                let s = &self.records[(four * LANES + lane) * quads..];
-                let y = turn.tr_mul(&(s[PLACE].xyz() - centre));
-                for k in 0..3 {
-                    guide[reference + k].0[lane] = y[k];
-                }
-                let exists = s[VELOCITY].0[3] > 0.0 || s[PLACE].0[3] > 0.0;
-                guide[reference + 3].0[lane] = if exists { (fraction * s[PLACE].0[3]).powi(2) } else { f64::INFINITY };
-            }
+    /// Notes the places in the body frame, and how far a sphere may get from them.
+    fn note(&mut self) {
+        let (watch, quads, guide) = (self.watch(), record::quads(self.model), guide_quads(self.field));
+        for (i, y) in self.places().into_iter().enumerate() {
+            let guide = &mut self.guides[i / LANES * guide + SEEN..];
+            (0..3).for_each(|k| guide[k].0[i % LANES] = y[k]);
+            guide[3].0[i % LANES] = (watch * self.records[i * quads + PLACE].0[3]).powi(2);
         }
     }
 
-    /// Whether a sphere has left where it may be. Notes the present places in the body frame where they are asked for.
-    fn look(&mut self) -> (bool, bool) {
-        let (turn, centre) = (self.frame.turn(), self.frame.centre());
-        let (quads, guide) = (record::quads(self.model), guide_quads(self.field));
-        let (mut strayed, mut stale) = (false, false);
-        for (four, guide) in self.guides.chunks_exact_mut(guide).enumerate() {
-            for lane in 0..LANES {
-                let y = turn.tr_mul(&(self.records[(four * LANES + lane) * quads + PLACE].xyz() - centre));
-                let away = |guide: &[Quad], reference: usize| {
-                    let from = Vector3::from_fn(|k, _| guide[reference + k].0[lane]);
-                    let limit = guide[reference + 3].0[lane];
-                    // Not a number counts as away.
-                    (y - from).norm_squared().partial_cmp(&limit) != Some(std::cmp::Ordering::Less)
-                };
-                strayed |= away(guide, LISTED);
-                if self.field == FROZEN {
-                    stale |= away(guide, ATTRACTED);
-                    for k in 0..3 {
-                        guide[NOW + k].0[lane] = y[k];
-                    }
-                }
-            }
+    /// Whether a sphere is too far from where it was seen, and whether one is from where the neighbours were listed: until
+    /// it has been seen again it must not leave the reach of the lists.
+    fn look(&self) -> (bool, bool) {
+        let (quads, left) = (record::quads(self.model), self.parameters.skin - self.watch());
+        let (mut away, mut strayed) = (false, false);
+        for (i, y) in self.places().into_iter().enumerate() {
+            // Not a number is beyond any limit.
+            let beyond = |from: Vector3<f64>, limit: f64| {
+                (y - from).norm_squared().partial_cmp(&limit) != Some(std::cmp::Ordering::Less)
+            };
+            let seen = |k: usize| self.guide(i, SEEN + k);
+            let listed = Vector3::from_fn(|k, _| self.listed[k][i]);
+            away |= beyond(Vector3::new(seen(0), seen(1), seen(2)), seen(3));
+            strayed |= beyond(listed, (left * self.records[i * quads + PLACE].0[3]).powi(2));
         }
-        (strayed, stale)
+        (away, strayed)
+    }
+
+    /// A number that a sphere has in the guides.
+    fn guide(&self, i: usize, quad: usize) -> f64 {
+        self.guides[i / LANES * guide_quads(self.field) + quad].0[i % LANES]
+    }
+
+    /// The acceleration that a sphere has in the guides.
+    fn pull(&self, i: usize) -> Vector3<f64> {
+        Vector3::from_fn(|k, _| self.guide(i, FIELD + k))
     }
 
     /// Something seems to have moved: fits the frame, and renews what is out of date nevertheless.
     fn renew(&mut self) -> Result<(), PkdError> {
         self.finite()?;
-        let from: [Vec<f64>; 3] = [0, 1, 2].map(|k| {
-            let fours = self.guides.chunks_exact(guide_quads(self.field));
-            fours.flat_map(|guide| guide[LISTED + k].0).take(self.n).collect()
-        });
+        let [from_x, from_y, from_z] = &self.listed;
         let [x, y, z] = self.coordinates();
-        let fit = rigid_fit([&from[0], &from[1], &from[2]], [&x, &y, &z], &vec![true; self.n]);
+        let fit = rigid_fit([from_x, from_y, from_z], [&x, &y, &z], &vec![true; self.n]);
         let turn = if fit.rank == FitRank::Full { fit.motion.rotation } else { self.frame.turn() };
-        self.frame = BodyFrame::of(self.model, &self.records, self.n, turn);
-        let (strayed, stale) = self.look();
-        if strayed {
-            let remembered = self.pairs.memories();
-            self.list(&remembered);
-        }
-        if stale {
-            self.attract()?;
+        self.frame = BodyFrame::of(self.model, &self.records, &self.masses, turn);
+        let (away, strayed) = self.look();
+        if away {
+            if strayed {
+                let remembered = self.pairs.memories();
+                self.list(&remembered);
+            }
+            if self.field == FROZEN {
+                self.attract()?;
+            }
+            self.note();
         }
         self.correction = self.residual_torque();
         Ok(())
@@ -312,9 +335,7 @@ impl<'a> Engine<'a> {
         }
         self.work.gravity_evaluations += 1;
         let [x, y, z] = self.coordinates();
-        let mass: Vec<f64> =
-            self.records.chunks_exact(record::quads(self.model)).take(self.n).map(|s| s[PREDICTED].0[3]).collect();
-        self.gravity.accelerations(&x, &y, &z, &mass, &mut self.accelerations);
+        self.gravity.accelerations(&x, &y, &z, &self.masses, &mut self.accelerations);
         let a = &self.accelerations;
         for component in [&a.x, &a.y, &a.z] {
             if let Some(i) = component.iter().position(|value| !value.is_finite()) {
@@ -323,11 +344,11 @@ impl<'a> Engine<'a> {
             }
         }
         if self.field == FROZEN {
-            self.freeze(&mass);
+            self.freeze();
             return Ok(());
         }
         if self.gravity.last_error_estimate() > 0.0 {
-            self.balance(&mass);
+            self.balance();
         }
         let a = &self.accelerations;
         for (four, guide) in self.guides.chunks_exact_mut(guide_quads(self.field)).enumerate() {
@@ -340,7 +361,8 @@ impl<'a> Engine<'a> {
     }
 
     /// Takes the net force out of the field just evaluated: that of a tree does not balance by itself.
-    fn balance(&mut self, mass: &[f64]) {
+    fn balance(&mut self) {
+        let mass = &self.masses;
         let total: f64 = mass.iter().sum();
         let Accelerations { x, y, z, .. } = &mut self.accelerations;
         for component in [x, y, z] {
@@ -351,9 +373,8 @@ impl<'a> Engine<'a> {
 
     /// Turns the field just evaluated into the body frame, takes its net force and torque out, and compares it with the one
     /// before.
-    fn freeze(&mut self, mass: &[f64]) {
-        let Self { accelerations: a, guides, .. } = self;
-        let turn = self.frame.turn();
+    fn freeze(&mut self) {
+        let (a, mass, turn) = (&self.accelerations, &self.masses, self.frame.turn());
         let field: Vec<Vector3<f64>> =
             (0..self.n).map(|i| turn.tr_mul(&Vector3::new(a.x[i], a.y[i], a.z[i]))).collect();
         let total: f64 = mass.iter().sum();
@@ -363,31 +384,19 @@ impl<'a> Engine<'a> {
         let first = self.work.gravity_evaluations == 1;
         let correction = Vector3::from(self.correction);
         let (mut error, mut size) = (0.0, 0.0);
-        for (i, g) in field.iter().enumerate() {
-            let (guide, lane) = (&mut guides[i / LANES * guide..], i % LANES);
-            let of = |guide: &[Quad], at: usize| Vector3::from_fn(|k, _| guide[at + k].0[lane]);
-            let old = of(guide, FIELD) - correction.cross(&of(guide, NOW));
+        for (i, (g, place)) in field.iter().zip(self.places()).enumerate() {
+            let old = self.pull(i) - correction.cross(&place);
             error += (old - g).norm_squared();
             size += g.norm_squared();
-            for k in 0..3 {
-                guide[FIELD + k].0[lane] = g[k] - mean[k];
-            }
+        }
+        for (i, g) in field.iter().enumerate() {
+            let guide = &mut self.guides[i / LANES * guide + FIELD..];
+            (0..3).for_each(|k| guide[k].0[i % LANES] = g[k] - mean[k]);
         }
         if !first && size > 0.0 {
             self.work.frozen_field_error = self.work.frozen_field_error.max((error / size).sqrt());
         }
-        if let Gravity::BodyFrame { tolerance } = self.parameters.gravity {
-            self.note(ATTRACTED, tolerance);
-        }
-        self.note_now();
         self.correction = self.residual_torque();
-    }
-
-    /// Copies the places noted for gravity to the present ones.
-    fn note_now(&mut self) {
-        for guide in self.guides.chunks_exact_mut(guide_quads(FROZEN)) {
-            guide.copy_within(ATTRACTED..ATTRACTED + 3, NOW);
-        }
     }
 
     /// Angular acceleration that takes out the torque of the frozen field at the present places.
@@ -395,13 +404,9 @@ impl<'a> Engine<'a> {
         if self.field != FROZEN {
             return [0.0; 3];
         }
-        let (quads, guide) = (record::quads(self.model), guide_quads(FROZEN));
         let (mut torque, mut moments) = (Vector3::zeros(), [0.0; 6]);
-        for i in 0..self.n {
-            let (guide, lane) = (&self.guides[i / LANES * guide..], i % LANES);
-            let of = |at: usize| Vector3::from_fn(|k, _| guide[at + k].0[lane]);
-            let (y, m) = (of(NOW), self.records[i * quads + PREDICTED].0[3]);
-            torque += y.cross(&of(FIELD)) * m;
+        for (i, (y, &m)) in self.places().into_iter().zip(&self.masses).enumerate() {
+            torque += y.cross(&self.pull(i)) * m;
             let products = [y.x * y.x, y.y * y.y, y.z * y.z, y.x * y.y, y.x * y.z, y.y * y.z];
             moments.iter_mut().zip(products).for_each(|(sum, p)| *sum += m * p);
         }
@@ -410,11 +415,12 @@ impl<'a> Engine<'a> {
 
     /// The frame now and after a step, which passes.
     fn frames(&mut self, step: f64) -> Frames {
-        let turn = columns(&self.frame.turn());
+        let (turn, centre) = (self.frame.turn(), self.frame.centre());
         self.frame.pass(step);
         Frames {
-            turn,
-            correction: self.correction,
+            turn: columns(&turn),
+            centre: centre.into(),
+            correction: (turn * Vector3::from(self.correction)).into(),
             next_turn: columns(&self.frame.turn()),
             next_centre: self.frame.centre().into(),
         }
@@ -425,18 +431,18 @@ impl<'a> Engine<'a> {
         let (model, quads, guide) = (self.model, record::quads(self.model), guide_quads(self.field));
         let advance = self.kernels.advance;
         let foreign = &self.pairs.foreign;
-        let one = |(((chunk, records), guides), moved): (((&mut _, &mut [Quad]), &mut [Quad]), &mut Moved)| {
-            let chunk: &mut super::pairs::Chunk = chunk;
+        type Given<'g> = ((((&'g mut pairs::Chunk, &'g mut [Quad]), &'g [[f64; 2]]), &'g mut [Quad]), &'g mut Moved);
+        let one = |((((chunk, records), inverses), guides), moved): Given| {
             collect(model, chunk, foreign);
             // SAFETY: laid out for the model and field the kernel was chosen for.
-            *moved = unsafe { advance(step, frames, records, guides, &chunk.sums) };
+            *moved = unsafe { advance(step, frames, records, inverses, guides, &chunk.sums) };
         };
         let (records, guides) = (CHUNK * quads, CHUNK / LANES * guide);
         if self.n >= PARALLEL_FROM && rayon::current_num_threads() > 1 {
-            self.pairs
-                .chunks
-                .par_iter_mut()
+            let chunks = self.pairs.chunks.par_iter_mut();
+            chunks
                 .zip(self.records.par_chunks_mut(records))
+                .zip(self.inverses.par_chunks(CHUNK))
                 .zip(self.guides.par_chunks_mut(guides))
                 .zip(&mut self.moved)
                 .for_each(one);
@@ -444,14 +450,14 @@ impl<'a> Engine<'a> {
             let chunks = self.pairs.chunks.iter_mut();
             chunks
                 .zip(self.records.chunks_mut(records))
+                .zip(self.inverses.chunks(CHUNK))
                 .zip(self.guides.chunks_mut(guides))
                 .zip(&mut self.moved)
                 .for_each(one);
         }
         // In the order of the chunks.
         self.moved.iter().fold(Moved::default(), |sum, m| Moved {
-            strayed: sum.strayed | m.strayed,
-            stale: sum.stale | m.stale,
+            away: sum.away | m.away,
             torque: std::array::from_fn(|k| sum.torque[k] + m.torque[k]),
             moments: std::array::from_fn(|k| sum.moments[k] + m.moments[k]),
         })
@@ -480,9 +486,14 @@ impl<'a> Engine<'a> {
 
     /// Lets the present forces act for `duration` (s) on the velocities, without moving anything.
     fn kick(&mut self, duration: f64) {
-        let turn = self.frame.turn();
-        let correction = Vector3::from(self.correction);
-        let (quads, width, guide) = (record::quads(self.model), record::sums(self.model), guide_quads(self.field));
+        let (turn, correction) = (self.frame.turn(), Vector3::from(self.correction));
+        let pull = |(i, place): (usize, Vector3<f64>)| match self.field {
+            NONE => Vector3::zeros(),
+            GIVEN => self.pull(i),
+            _ => turn * (self.pull(i) - correction.cross(&place)),
+        };
+        let pulls: Vec<Vector3<f64>> = self.places().into_iter().enumerate().map(pull).collect();
+        let (quads, width) = (record::quads(self.model), record::sums(self.model));
         let (chunks, foreign) = (&mut self.pairs.chunks, &self.pairs.foreign);
         for (c, chunk) in chunks.iter_mut().enumerate() {
             // The sums may be asked for again.
@@ -490,19 +501,13 @@ impl<'a> Engine<'a> {
             collect(self.model, chunk, foreign);
             for own in 0..chunk.own {
                 let i = c * CHUNK + own;
-                let s = &mut self.records[i * quads..(i + 1) * quads];
-                let guide = &self.guides[i / LANES * guide..];
-                let of = |at: usize| Vector3::from_fn(|k, _| guide[at + k].0[i % LANES]);
-                let pull = match self.field {
-                    NONE => Vector3::zeros(),
-                    GIVEN => of(FIELD),
-                    _ => turn * (of(FIELD) - correction.cross(&of(NOW))),
-                };
-                let kick = (chunk.sums[own * width].xyz() * s[VELOCITY].0[3] + pull) * duration;
+                let (s, sums) = (&mut self.records[i * quads..(i + 1) * quads], &chunk.sums[own * width..]);
+                let [inverse_mass, inverse_inertia] = self.inverses[i];
+                let kick = (sums[0].xyz() * inverse_mass + pulls[i]) * duration;
                 (0..3).for_each(|k| s[VELOCITY].0[k] += kick[k]);
                 if self.model != FRICTIONLESS {
-                    let kick = chunk.sums[own * width + 1].xyz() * s[SPIN].0[3] * duration;
-                    (0..3).for_each(|k| s[SPIN].0[k] += kick[k]);
+                    let spin = record::spin(s) + record::torque(sums) * inverse_inertia * duration;
+                    record::set_spin(s, spin);
                 }
             }
             chunk.sums = sums;
@@ -551,15 +556,13 @@ impl<'a> Engine<'a> {
     /// Refuses places, velocities and spins that are not finite.
     pub fn finite(&self) -> Result<(), PkdError> {
         for (s, &row) in self.records.chunks_exact(record::quads(self.model)).zip(&self.rows) {
-            for (k, quad) in s.iter().enumerate() {
-                if !quad.0.iter().all(|v| v.is_finite()) {
-                    let quantity = match k {
-                        PLACE => "place",
-                        PREDICTED | VELOCITY => "velocity",
-                        _ => "spin",
-                    };
-                    return Err(PkdError::BecameNonFinite { sphere: row as usize, quantity, time_s: self.time });
-                }
+            if let Some(k) = s.iter().flat_map(|quad| quad.0).position(|v| !v.is_finite()) {
+                let quantity = match (k / LANES, k % LANES) {
+                    (PLACE, _) => "place",
+                    (PREDICTED | VELOCITY, 0..3) => "velocity",
+                    _ => "spin",
+                };
+                return Err(PkdError::BecameNonFinite { sphere: row as usize, quantity, time_s: self.time });
             }
         }
         Ok(())
@@ -567,9 +570,9 @@ impl<'a> Engine<'a> {
 }
 
 /// Records of the spheres in the order of `rows`, filled up with spheres that are nowhere: at least one, and whole fours.
-fn records(model: u8, spheres: &Spheres, rows: &[u32]) -> Vec<Quad> {
+fn records(model: u8, spheres: &Spheres, rows: &[u32]) -> Lines {
     let quads = record::quads(model);
-    let mut records = vec![Quad::default(); (rows.len() / LANES + 1) * LANES * quads];
+    let mut records = Lines::new((rows.len() / LANES + 1) * LANES * quads);
     for (k, s) in records.chunks_exact_mut(quads).enumerate() {
         let Some(&row) = rows.get(k) else {
             s[PLACE] = Quad([NOWHERE, NOWHERE, NOWHERE, 0.0]);
@@ -577,17 +580,35 @@ fn records(model: u8, spheres: &Spheres, rows: &[u32]) -> Vec<Quad> {
         };
         let i = row as usize;
         let with = |[x, y, z]: [f64; 3], fourth: f64| Quad([x, y, z, fourth]);
-        let (m, radius) = (spheres.mass[i], spheres.radius[i]);
-        s[PLACE] = with(spheres.position(i), radius);
-        s[PREDICTED] = with(spheres.velocity(i), m);
-        s[VELOCITY] = with(spheres.velocity(i), 1.0 / m);
+        let [x, y, z] = if model == FRICTIONLESS { [0.0; 3] } else { spheres.spin(i) };
+        s[PLACE] = with(spheres.position(i), spheres.radius[i]);
+        s[PREDICTED] = with(spheres.velocity(i), x);
+        s[VELOCITY] = s[PREDICTED];
         if model != FRICTIONLESS {
-            let inertia = 0.4 * m * radius * radius;
-            s[PREDICTED_SPIN] = with(spheres.spin(i), inertia);
-            s[SPIN] = with(spheres.spin(i), 1.0 / inertia);
+            s[SPINS] = Quad([y, z, y, z]);
         }
     }
     records
+}
+
+/// 1 / mass and 1 / moment of inertia of the spheres in the order of `rows`, and zeros for those that are nowhere.
+fn inverses(masses: &[f64], spheres: &Spheres, rows: &[u32]) -> Vec<[f64; 2]> {
+    let of = |(m, row): (&f64, &u32)| [1.0 / m, 1.0 / (0.4 * m * spheres.radius[*row as usize].powi(2))];
+    let mut inverses: Vec<[f64; 2]> = masses.iter().zip(rows).map(of).collect();
+    inverses.resize((rows.len() / LANES + 1) * LANES, [0.0; 2]);
+    inverses
+}
+
+/// Guides of spheres that have not been seen: those that are nowhere may be anywhere.
+fn guides(field: u8, masses: &[f64]) -> Vec<Quad> {
+    let mut guides = vec![Quad::default(); masses.len().div_ceil(LANES) * guide_quads(field)];
+    for (guide, masses) in guides.chunks_exact_mut(guide_quads(field)).zip(masses.chunks(LANES)) {
+        guide[SEEN + 3].0 = [f64::INFINITY; LANES];
+        if field == FROZEN {
+            guide[MASS].0[..masses.len()].copy_from_slice(masses);
+        }
+    }
+    guides
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@
 //! gains nor loses energy. The direction of the step before follows from the same velocities.
 
 use super::coefficients::Coefficients;
-use super::lanes::{Eights, LANES, Numbers, Quad, Vector, WIDE};
+use super::lanes::{Eights, LANES, Lanes, Numbers, Quad, Vector, WIDE};
 use super::pairs::Chunk;
 use super::parameters::SlidingCap;
 use super::record::{self, DIRECTIONAL, FRICTIONLESS, FULL};
@@ -84,16 +84,20 @@ pub(super) unsafe fn contacts<V: Eights, const MODEL: u8, const COHESIVE: bool, 
         for k in 0..chunk.index.len() {
             // What follows is fetched while this is reckoned with: the second spheres are anywhere.
             let ahead = chunk.index.get_unchecked((k + AHEAD).min(last));
+            // Of spheres that were apart only the place is looked at.
+            let lines = if ahead.touched { stride.div_ceil(LINE) } else { 1 };
             for j in ahead.j {
                 let record = base.add(j as usize * stride);
-                for line in 0..stride.div_ceil(LINE) {
+                for line in 0..lines {
                     V::fetch(record.add(line * LINE));
                 }
             }
             let field: *mut f64 = chunk.fields.as_mut_ptr().add(k * fields).cast();
-            let next: *const f64 = chunk.fields.as_ptr().add((k + AHEAD).min(last) * fields).cast();
-            for k in 0..fields {
-                V::fetch(next.add(k * WIDE));
+            if ahead.touched {
+                let next: *const f64 = chunk.fields.as_ptr().add((k + AHEAD).min(last) * fields).cast();
+                for k in 0..fields {
+                    V::fetch(next.add(k * WIDE));
+                }
             }
             let block = chunk.index.get_unchecked_mut(k);
             let pi = block.i.map(|i| own.add(i as usize * stride));
@@ -103,29 +107,27 @@ pub(super) unsafe fn contacts<V: Eights, const MODEL: u8, const COHESIVE: bool, 
             let contact = d2.less(s * s);
             if !LEDGER && !contact.any() {
                 // Most that part stay apart, and what is written costs more than what is not looked at.
-                if MODEL != FRICTIONLESS && block.remembers {
+                if block.touched {
                     for k in memory..fields {
                         zero.store(field.add(k * WIDE));
                     }
-                    block.remembers = false;
+                    block.touched = false;
                 }
                 continue;
             }
-            if MODEL != FRICTIONLESS {
-                block.remembers = true;
-            }
+            block.touched = true;
 
             let d = d2.sqrt();
             // Where the direction a step before is needed too, one division makes both: it is what takes longest.
             let (inverse, before) = if MODEL == FRICTIONLESS {
                 (one / d, None)
             } else {
-                let dv = difference::<V>(&pi, &pj, record::VELOCITY);
+                let (dv, spin) = velocities::<V>(&pi, &pj, record::VELOCITY);
                 let old = r - dv.times(h);
                 let old2 = old.dot(old);
                 let old_d = old2.sqrt();
                 let both = one / (d * old_d);
-                (old_d * both, Some((dv, old.times(d * both), old2.less(s * s))))
+                (old_d * both, Some((dv, spin, old.times(d * both), old2.less(s * s))))
             };
             let n = r.times(inverse);
             let x = s - d;
@@ -138,7 +140,7 @@ pub(super) unsafe fn contacts<V: Eights, const MODEL: u8, const COHESIVE: bool, 
             }
 
             let sqrt_mu = V::load(field);
-            let dv = difference::<V>(&pi, &pj, record::PREDICTED);
+            let (dv, [x_sum, x_dif]) = velocities::<V>(&pi, &pj, record::PREDICTED);
             let u_n = dv.dot(n);
             let push = c_n * sqrt_mu * u_n - k_n * x;
             let load = push.abs();
@@ -152,17 +154,20 @@ pub(super) unsafe fn contacts<V: Eights, const MODEL: u8, const COHESIVE: bool, 
                 heat[0] = heat[0] + contact.keep(h * c_n * sqrt_mu * u_n * u_n);
             }
 
-            if let Some((dv_mid, old, was)) = before {
+            if let Some((dv_mid, [x_sum_mid, x_dif_mid], old, was)) = before {
                 // Lever arms: l_i = d/2 - e, l_j = d/2 + e. Between equal spheres, e = 0, some terms need no computing.
                 let (arm, e) = (half * d, half * s * dr * inverse);
                 let differ = zero.less(dr.abs()).any();
                 let arms = (arm, e, differ);
-                let (w_sum, w_dif) = sum_and_difference::<V>(&pi, &pj, record::PREDICTED_SPIN);
+                let ([y_dif, z_dif, y_dif_mid, z_dif_mid], [y_sum, z_sum, y_sum_mid, z_sum_mid]) =
+                    V::columns(&pi, &pj, record::SPINS * LANES);
+                let (w_sum, w_dif) = (Vector([x_sum, y_sum, z_sum]), Vector([x_dif, y_dif, z_dif]));
                 let u = (dv - n.times(u_n)) - weighted(w_sum, w_dif, arms).cross(n);
 
                 // The same in the middle of the step, and the direction at its start. The direction goes with the velocities:
                 // that at the end would see contacts slip that only turn, by half a step of turning, always the same way.
-                let (w_sum_mid, w_dif_mid) = sum_and_difference::<V>(&pi, &pj, record::SPIN);
+                let w_sum_mid = Vector([x_sum_mid, y_sum_mid, z_sum_mid]);
+                let w_dif_mid = Vector([x_dif_mid, y_dif_mid, z_dif_mid]);
                 let mid = (old + n).times(half);
                 let u_mid = (dv_mid - mid.times(dv_mid.dot(mid))) - weighted(w_sum_mid, w_dif_mid, arms).cross(mid);
                 let u_mid = u_mid - n.times(u_mid.dot(n));
@@ -306,19 +311,19 @@ pub(super) unsafe fn contacts<V: Eights, const MODEL: u8, const COHESIVE: bool, 
                 }
 
                 let (force, on_i, on_j) = (force.kept(contact), on_i.kept(contact), on_j.kept(contact));
-                let (force, on_i, on_j) = (V::rows(force), V::rows(on_i), V::rows(on_j));
+                let ([x, y, z], [x_i, y_i, z_i], [x_j, y_j, z_j]) = (force.0, on_i.0, on_j.0);
+                let (plus, minus) = (V::rows([x, y, z, x_i]), V::rows([x, y, z, -x_j]));
+                let rest = V::rows([y_i, z_i, y_j, z_j]);
                 for lane in 0..WIDE {
-                    let sum = acc.add(block.i[lane] as usize * acc_stride);
-                    (V::Row::load(sum) + force[lane]).store(sum);
-                    let turn = sum.add(LANES);
-                    (V::Row::load(turn) + on_i[lane]).store(turn);
-                    let sum = acc.add(block.sum_j[lane] as usize * acc_stride);
-                    (V::Row::load(sum) - force[lane]).store(sum);
-                    let turn = sum.add(LANES);
-                    (V::Row::load(turn) + on_j[lane]).store(turn);
+                    let sum_i = acc.add(block.i[lane] as usize * acc_stride);
+                    (V::Row::load(sum_i) + plus[lane]).store(sum_i);
+                    let sum_j = acc.add(block.sum_j[lane] as usize * acc_stride);
+                    (V::Row::load(sum_j) - minus[lane]).store(sum_j);
+                    rest[lane].add_halves(sum_i.add(LANES), sum_j.add(LANES));
                 }
             } else {
-                for (lane, force) in V::rows(force.kept(contact)).into_iter().enumerate() {
+                let [x, y, z] = force.kept(contact).0;
+                for (lane, force) in V::rows([x, y, z, zero]).into_iter().enumerate() {
                     let sum = acc.add(block.i[lane] as usize * acc_stride);
                     (V::Row::load(sum) + force).store(sum);
                     let sum = acc.add(block.sum_j[lane] as usize * acc_stride);
@@ -375,21 +380,11 @@ unsafe fn separation<V: Eights>(pi: &[*const f64; WIDE], pj: &[*const f64; WIDE]
     (Vector([x, y, z]), s, dr)
 }
 
-/// Sum, and difference j minus i, of the vectors in one quad of the records.
+/// Differences, j minus i, of the velocities in one quad of the records, and sums and differences of what comes fourth.
 #[inline(always)]
-unsafe fn sum_and_difference<V: Eights>(
-    pi: &[*const f64; WIDE],
-    pj: &[*const f64; WIDE],
-    quad: usize,
-) -> (Vector<V>, Vector<V>) {
-    let ([dx, dy, dz, _], [sx, sy, sz, _]) = unsafe { V::columns(pi, pj, quad * LANES) };
-    (Vector([sx, sy, sz]), Vector([dx, dy, dz]))
-}
-
-/// Difference, j minus i, of the vectors in one quad of the records.
-#[inline(always)]
-unsafe fn difference<V: Eights>(pi: &[*const f64; WIDE], pj: &[*const f64; WIDE], quad: usize) -> Vector<V> {
-    unsafe { sum_and_difference::<V>(pi, pj, quad).1 }
+unsafe fn velocities<V: Eights>(pi: &[*const f64; WIDE], pj: &[*const f64; WIDE], quad: usize) -> (Vector<V>, [V; 2]) {
+    let ([x, y, z, difference], [.., sum]) = unsafe { V::columns(pi, pj, quad * LANES) };
+    (Vector([x, y, z]), [sum, difference])
 }
 
 /// How a contact turned in a step: the smallest rotation that takes the old direction to the new, then a turn about that.

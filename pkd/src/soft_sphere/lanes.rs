@@ -69,6 +69,18 @@ pub(super) trait Lanes: Numbers {
     unsafe fn pairs(from: [*const f64; LANES]) -> [Self; 2];
     /// Makes the four first and the four second numbers of what [`Self::pairs`] gave, or of sums and differences.
     fn unzip(pairs: [Self; 2]) -> [Self; 2];
+    /// Two consecutive numbers, twice.
+    ///
+    /// # Safety
+    /// As [`Self::pairs`].
+    unsafe fn twice(from: *const f64) -> Self;
+    /// The last two lanes, twice.
+    fn last_twice(self) -> Self;
+    /// Adds the first two lanes to two numbers, and the last two to two others, which may be the same.
+    ///
+    /// # Safety
+    /// As [`Self::pairs`], for writing; `first` and `last` must be aligned like two numbers.
+    unsafe fn add_halves(self, first: *mut f64, last: *mut f64);
     /// Rows to columns.
     fn transpose(rows: [Self; LANES]) -> [Self; LANES];
     /// As [`Eights::fetch`].
@@ -91,8 +103,8 @@ pub(super) trait Eights: Numbers {
     ) -> ([Self; LANES], [Self; LANES]);
     /// Asks for the line of the cache at a place, which need not exist.
     fn fetch(from: *const f64);
-    /// The vectors, each as a quad whose fourth number is 0.
-    fn rows(v: Vector<Self>) -> [Self::Row; WIDE];
+    /// Columns to rows: four numbers of each of eight.
+    fn rows(columns: [Self; LANES]) -> [Self::Row; WIDE];
 }
 
 /// Two registers side by side: the second keeps the processor busy while the first waits for its divisions.
@@ -196,8 +208,9 @@ impl<V: Lanes> Eights for Wide<V> {
     }
 
     #[inline(always)]
-    fn rows(v: Vector<Self>) -> [V; WIDE] {
-        let (low, high) = (half_rows(v, 0), half_rows(v, 1));
+    fn rows([a, b, c, d]: [Self; LANES]) -> [V; WIDE] {
+        let low = V::transpose([a.0[0], b.0[0], c.0[0], d.0[0]]);
+        let high = V::transpose([a.0[1], b.0[1], c.0[1], d.0[1]]);
         [low[0], low[1], low[2], low[3], high[0], high[1], high[2], high[3]]
     }
 }
@@ -226,14 +239,6 @@ unsafe fn two_columns<V: Lanes>(
 #[inline(always)]
 unsafe fn four(p: &[*const f64; WIDE], k: usize, at: usize) -> [*const f64; LANES] {
     unsafe { [p[k].add(at), p[k + 1].add(at), p[k + 2].add(at), p[k + 3].add(at)] }
-}
-
-/// The vectors of one half of the lanes, each as a quad.
-#[inline(always)]
-fn half_rows<V: Lanes>(v: Vector<Wide<V>>, half: usize) -> [V; LANES] {
-    let [x, y, z] = v.0;
-    // SAFETY: there are values of the type, so the processor has it.
-    V::transpose([x.0[half], y.0[half], z.0[half], unsafe { V::splat(0.0) }])
 }
 
 /// [`Lanes`] for any processor.
@@ -334,6 +339,25 @@ impl Lanes for Plain {
     #[inline(always)]
     fn unzip([e, o]: [Self; 2]) -> [Self; 2] {
         [Self([e.0[0], o.0[0], e.0[2], o.0[2]]), Self([e.0[1], o.0[1], e.0[3], o.0[3]])]
+    }
+    #[inline(always)]
+    unsafe fn twice(from: *const f64) -> Self {
+        let [a, b] = unsafe { [*from, *from.add(1)] };
+        Self([a, b, a, b])
+    }
+    #[inline(always)]
+    fn last_twice(self) -> Self {
+        let [.., c, d] = self.0;
+        Self([c, d, c, d])
+    }
+    #[inline(always)]
+    unsafe fn add_halves(self, first: *mut f64, last: *mut f64) {
+        unsafe {
+            *first += self.0[0];
+            *first.add(1) += self.0[1];
+            *last += self.0[2];
+            *last.add(1) += self.0[3];
+        }
     }
     #[inline(always)]
     fn transpose(rows: [Self; LANES]) -> [Self; LANES] {
@@ -448,6 +472,21 @@ mod x86 {
         #[inline(always)]
         fn unzip([even, odd]: [Self; 2]) -> [Self; 2] {
             unsafe { [Self(_mm256_unpacklo_pd(even.0, odd.0)), Self(_mm256_unpackhi_pd(even.0, odd.0))] }
+        }
+        #[inline(always)]
+        unsafe fn twice(from: *const f64) -> Self {
+            unsafe { Self(_mm256_broadcast_pd(&*from.cast())) }
+        }
+        #[inline(always)]
+        fn last_twice(self) -> Self {
+            Self(unsafe { _mm256_permute2f128_pd::<0x11>(self.0, self.0) })
+        }
+        #[inline(always)]
+        unsafe fn add_halves(self, first: *mut f64, last: *mut f64) {
+            unsafe {
+                _mm_store_pd(first, _mm_add_pd(_mm_load_pd(first), _mm256_castpd256_pd128(self.0)));
+                _mm_store_pd(last, _mm_add_pd(_mm_load_pd(last), _mm256_extractf128_pd::<1>(self.0)));
+            }
         }
         #[inline(always)]
         fn transpose([a, b, c, d]: [Self; LANES]) -> [Self; LANES] {

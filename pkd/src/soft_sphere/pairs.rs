@@ -23,8 +23,8 @@ pub(super) struct Eight {
     pub sum_j: [u32; WIDE],
     /// Places of the first spheres in the chunk and in its sums.
     pub i: [u16; WIDE],
-    /// Whether one of the pairs may remember something.
-    pub remembers: bool,
+    /// Whether one of the pairs touched when last looked at, and may remember something.
+    pub touched: bool,
 }
 
 /// A contribution to the sums of an own sphere that another chunk has computed.
@@ -56,6 +56,14 @@ pub(super) struct Chunk {
     pub first: u32,
 }
 
+/// The spheres that pairs are made of.
+pub(super) struct Spheres<'a> {
+    pub records: &'a [Quad],
+    /// 1 / mass and 1 / moment of inertia of each.
+    pub inverses: &'a [[f64; 2]],
+    pub law: &'a Coefficients,
+}
+
 /// All chunks of a body.
 #[derive(Debug, Default)]
 pub(super) struct Pairs {
@@ -75,14 +83,7 @@ impl Pairs {
 
     /// Replaces the pairs by `near` (i < j, sorted) of the first `n` spheres that have records, giving each what
     /// `remembered` (sorted by rows, first < second) holds of it. Sphere `n` must be far from all others.
-    pub fn fill(
-        &mut self,
-        n: usize,
-        near: &[(u32, u32)],
-        remembered: &[Contact],
-        records: &[Quad],
-        law: &Coefficients,
-    ) {
+    pub fn fill(&mut self, n: usize, near: &[(u32, u32)], remembered: &[Contact], spheres: &Spheres) {
         self.nobody = n as u32;
         self.chunks.resize_with(n.div_ceil(CHUNK), Chunk::default);
         self.foreign.resize_with(n.div_ceil(CHUNK), Vec::new);
@@ -115,16 +116,16 @@ impl Pairs {
             let mut lane = 0;
             // Pairs that touch come first: eights that do not are passed over quickly.
             for &(i, j) in here {
-                let [one, other] = [i, j].map(|s| &records[s as usize * quads + record::PLACE]);
+                let [one, other] = [i, j].map(|s| &spheres.records[s as usize * quads + record::PLACE]);
                 if (other.xyz() - one.xyz()).norm() < one.0[3] + other.0[3] {
-                    self.push(&mut chunk, &mut lane, (i, j), sum_of(j), remembered, records, law);
+                    self.push(&mut chunk, &mut lane, (i, j), sum_of(j), remembered, spheres);
                 } else {
                     separate.push((i, j));
                 }
             }
             lane = 0;
             for &(i, j) in &separate {
-                self.push(&mut chunk, &mut lane, (i, j), sum_of(j), remembered, records, law);
+                self.push(&mut chunk, &mut lane, (i, j), sum_of(j), remembered, spheres);
             }
             let nobody = (own.len() + foreign.len()) as u32;
             for eight in &mut chunk.index {
@@ -153,7 +154,6 @@ impl Pairs {
     }
 
     /// Appends a pair to a chunk; `lane` is the place in the last eight, 0 for a new one.
-    #[expect(clippy::too_many_arguments, reason = "the loop body of `fill`, which has it twice")]
     fn push(
         &self,
         chunk: &mut Chunk,
@@ -161,23 +161,21 @@ impl Pairs {
         (i, j): (u32, u32),
         sum_j: u32,
         remembered: &[Contact],
-        records: &[Quad],
-        law: &Coefficients,
+        spheres: &Spheres,
     ) {
-        let quads = record::quads(self.model);
         let (constants, width) =
             (record::constants(self.model, self.cohesive), record::fields(self.model, self.cohesive));
         if *lane == 0 {
             // Nobody's forces are none, so they may be added to those of any sphere.
             let j = [self.nobody; WIDE];
-            chunk.index.push(Eight { j, sum_j: [0; WIDE], i: [(i - chunk.first) as u16; WIDE], remembers: true });
+            chunk.index.push(Eight { j, sum_j: [0; WIDE], i: [(i - chunk.first) as u16; WIDE], touched: true });
             chunk.fields.extend(std::iter::repeat_n(Octet::default(), width));
         }
         let eight = chunk.index.last_mut().expect("one was pushed for the first lane");
         (eight.i[*lane], eight.j[*lane], eight.sum_j[*lane]) = ((i - chunk.first) as u16, j, sum_j);
         let at = chunk.fields.len() - width;
         let mut fields = chunk.fields[at..].iter_mut().map(|octet| &mut octet.0[*lane]);
-        self::constants(self.model, self.cohesive, law, [i, j].map(|s| &records[s as usize * quads..]))
+        self::constants(self.model, self.cohesive, spheres, [i, j])
             .into_iter()
             .zip(fields.by_ref().take(constants))
             .for_each(|(value, field)| *field = value);
@@ -228,16 +226,13 @@ impl Pairs {
 }
 
 /// The constants of a pair, in the order of [`record::constants`].
-fn constants(model: u8, cohesive: bool, law: &Coefficients, spheres: [&[Quad]; 2]) -> impl IntoIterator<Item = f64> {
-    let of = |quad: usize| spheres.map(|s| s[quad].0[3]);
+fn constants(model: u8, cohesive: bool, of: &Spheres, pair: [u32; 2]) -> impl IntoIterator<Item = f64> {
+    let [r_i, r_j] = pair.map(|s| of.records[s as usize * record::quads(model) + record::PLACE].0[3]);
     // By the inverse masses, so that one may be held in place.
-    let ([r_i, r_j], [m_i, m_j]) = (of(record::PLACE), of(record::VELOCITY));
+    let [[m_i, a], [m_j, b]] = pair.map(|s| of.inverses[s as usize]);
     let sqrt_mu = (1.0 / (m_i + m_j)).sqrt();
-    let width = record::has_width(model, cohesive).then(|| law.shape * r_i * (r_j / (r_i + r_j)));
-    let inertias = (model == record::DIRECTIONAL).then(|| {
-        let [a, b] = of(record::SPIN);
-        [1.0 / (r_i * a + r_j * b), 1.0 / (a + b)]
-    });
+    let width = record::has_width(model, cohesive).then(|| of.law.shape * r_i * (r_j / (r_i + r_j)));
+    let inertias = (model == record::DIRECTIONAL).then(|| [1.0 / (r_i * a + r_j * b), 1.0 / (a + b)]);
     std::iter::once(sqrt_mu).chain(width).chain(inertias.into_iter().flatten())
 }
 

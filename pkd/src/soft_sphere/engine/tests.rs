@@ -33,11 +33,9 @@ fn on_a_plane(sliding: Sliding, held: bool, load: f64, pull: f64, duration: f64)
     let quads = record::quads(engine.model);
     let row = |engine: &Engine, caller: u32| engine.rows.iter().position(|r| *r == caller).unwrap() * quads;
     let (plane, block) = (row(&engine, 0), row(&engine, 1));
-    for (at, quad) in [(plane, VELOCITY), (plane, SPIN)] {
-        engine.records[at + quad].0[3] = 0.0;
-    }
+    engine.inverses[plane / quads] = [0.0; 2];
     if held {
-        engine.records[block + SPIN].0[3] = 0.0;
+        engine.inverses[block / quads][1] = 0.0;
     }
     engine.list(&[]);
     for guide in engine.guides.chunks_exact_mut(guide_quads(GIVEN)) {
@@ -54,7 +52,7 @@ fn on_a_plane(sliding: Sliding, held: bool, load: f64, pull: f64, duration: f64)
         engine.push(step).unwrap();
     }
     engine.kick(0.5 * step);
-    (engine.records[block + VELOCITY].0[0], engine.records[block + SPIN].0[1])
+    (engine.records[block + VELOCITY].0[0], record::spin(&engine.records[block..]).y)
 }
 
 /// A block that cannot turn rests while T < mu N, and slides with (T - mu N) / m beyond.
@@ -134,15 +132,14 @@ fn revolve(axis: Vector3<f64>) {
             let side = if *row == 0 { -1.0 } else { 1.0 };
             let s = &mut engine.records[k * quads..(k + 1) * quads];
             // Steps of a second.
-            for (quad, v) in [
-                (PLACE, now * side),
-                (VELOCITY, (now - before) * side),
-                (PREDICTED, (now - before) * side),
-                (SPIN, *axis * spin),
-                (PREDICTED_SPIN, *axis * spin),
-            ] {
+            for (quad, v) in
+                [(PLACE, now * side), (VELOCITY, (now - before) * side), (PREDICTED, (now - before) * side)]
+            {
                 s[quad].0[..3].copy_from_slice(v.as_slice());
             }
+            let spin = *axis * spin;
+            (s[PREDICTED].0[3], s[VELOCITY].0[3]) = (spin.x, spin.x);
+            s[SPINS].0 = [spin.y, spin.z, spin.y, spin.z];
         }
         engine.push(1.0).unwrap();
     }
@@ -199,7 +196,7 @@ fn frozen_field_is_exact_in_rigid_rotation_and_off_by_a_tenth_of_displacements()
             let place = turn * s[PLACE].xyz() + shift * (delta * 50.2 / 3.0_f64.sqrt());
             s[PLACE].0[..3].copy_from_slice(place.as_slice());
         }
-        engine.frame = BodyFrame::of(engine.model, &engine.records, engine.n, *turn.matrix());
+        engine.frame = BodyFrame::of(engine.model, &engine.records, &engine.masses, *turn.matrix());
         engine.attract().unwrap();
         let error = engine.work.frozen_field_error;
         if delta == 0.0 {

@@ -2,7 +2,7 @@
 
 use std::arch::x86_64::*;
 
-use super::{Add, Avx2, Div, Eights, LANES, Lanes, Mul, Neg, Numbers, Octet, Sub, Vector, WIDE};
+use super::{Add, Avx2, Div, Eights, LANES, Lanes, Mul, Neg, Numbers, Octet, Sub, WIDE};
 
 /// [`Eights`] for processors with AVX-512 (F, VL and DQ). Having a value of it is the proof that the processor has.
 #[derive(Debug, Clone, Copy)]
@@ -124,18 +124,16 @@ impl Eights for Avx512 {
     }
 
     #[inline(always)]
-    fn rows(v: Vector<Self>) -> [Avx2; WIDE] {
-        let [Self(x), Self(y), Self(z)] = v.0;
+    fn rows([Self(x), Self(y), Self(z), Self(w)]: [Self; LANES]) -> [Avx2; WIDE] {
         unsafe {
-            let zero = _mm512_setzero_pd();
             let (xy_even, xy_odd) = (_mm512_unpacklo_pd(x, y), _mm512_unpackhi_pd(x, y));
-            let (z_even, z_odd) = (_mm512_unpacklo_pd(z, zero), _mm512_unpackhi_pd(z, zero));
+            let (zw_even, zw_odd) = (_mm512_unpacklo_pd(z, w), _mm512_unpackhi_pd(z, w));
             let low = _mm512_setr_epi64(0, 1, 8, 9, 2, 3, 10, 11);
             let high = _mm512_setr_epi64(4, 5, 12, 13, 6, 7, 14, 15);
-            let [r0, r2] = halves(_mm512_permutex2var_pd(xy_even, low, z_even));
-            let [r1, r3] = halves(_mm512_permutex2var_pd(xy_odd, low, z_odd));
-            let [r4, r6] = halves(_mm512_permutex2var_pd(xy_even, high, z_even));
-            let [r5, r7] = halves(_mm512_permutex2var_pd(xy_odd, high, z_odd));
+            let [r0, r2] = halves(_mm512_permutex2var_pd(xy_even, low, zw_even));
+            let [r1, r3] = halves(_mm512_permutex2var_pd(xy_odd, low, zw_odd));
+            let [r4, r6] = halves(_mm512_permutex2var_pd(xy_even, high, zw_even));
+            let [r5, r7] = halves(_mm512_permutex2var_pd(xy_odd, high, zw_odd));
             [r0, r1, r2, r3, r4, r5, r6, r7]
         }
     }
