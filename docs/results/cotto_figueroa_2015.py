@@ -143,7 +143,10 @@ def chosen(options):
         name, _, myr = word.partition("=")
         if not (options.scenes / f"{name}.json").exists():
             sys.exit(f"{options.scenes / name}.json does not exist")
-        goals[name] = float(myr) if myr else options.until_myr or GOALS_MYR.get(name, 1.0)
+        try:
+            goals[name] = float(myr) if myr else options.until_myr or GOALS_MYR.get(name, 1.0)
+        except ValueError:
+            sys.exit(f"{word}: NAME or NAME=MYR with a number of Myr is expected")
     if not options.variant:
         return {Run(options, name): goal for name, goal in goals.items()}
     runs = {}

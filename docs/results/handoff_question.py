@@ -69,11 +69,20 @@ def scene(options, name, way, copy):
 
 def run(options):
     """All variants of all bodies, as many at a time as there are jobs."""
-    goals = {name: float(myr or 0.1) for name, _, myr in (word.partition("=") for word in options.names)}
+    goals = dict(map(goal, options.names))
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
         list(pool.map(lambda name: body(options, name, 1), goals))
         tasks = [(name, way, copy) for name in goals for way in options.ways for copy in (0, 1)]
         list(pool.map(lambda task: advance(options, goals[task[0]], *task), tasks))
+
+
+def goal(word):
+    """Name and Myr of NAME or NAME=MYR."""
+    name, _, myr = word.partition("=")
+    try:
+        return name, float(myr or 0.1)
+    except ValueError:
+        sys.exit(f"{word}: NAME or NAME=MYR with a number of Myr is expected")
 
 
 def advance(options, myr, name, way, copy):
