@@ -17,6 +17,7 @@ import argparse
 import collections
 import csv
 import hashlib
+import itertools
 import json
 import math
 import pathlib
@@ -445,7 +446,7 @@ def page(options):
         if rows:
             parts += [table_2(rows, title), table_3(rows, title)]
     parts += [table_4(runs)]
-    parts += [items(runs, groups, intervals, losses), bodies_part(runs), reasons_part(runs)]
+    parts += [items(runs, groups, intervals, losses), rates_part(intervals), bodies_part(runs), reasons_part(runs)]
     text = "\n".join(parts)
     if not options.markdown:
         print(text)
@@ -703,6 +704,25 @@ def thirds(runs, intervals):
             rates.append(sum(abs(i["spin1_rev_day"] - i["spin0_rev_day"]) for i in part) / length if length else None)
     mean = lambda values: f"{statistics.mean(values):.2f}" if values else "-"
     return ", ".join(mean([v for v in rates[k::2] if v is not None]) for k in (0, 1))
+
+
+def rates_part(intervals):
+    """What a movement does to the rate of the spin, by that rate before it: slow ones last, and only they turn round."""
+    mine = [i for i in intervals if i["run"] in STANDARD and i["length_myr"] > 0]
+    rate = lambda i: (i["spin1_rev_day"] - i["spin0_rev_day"]) / i["length_myr"]
+    pairs = [(one, rate(one), rate(other)) for one, other in zip(mine, mine[1:]) if one["run"] == other["run"]]
+    rows = []
+    for low, high in itertools.pairwise([0, 0.5, 1, 2, 4, 8, INF]):
+        within = [(i, before, after) for i, before, after in pairs if low <= abs(before) < high]
+        if within:
+            rows.append([
+                f"{low} to {high}" if high < INF else f"above {low}", len(within),
+                f"{1000 * statistics.median(i['length_myr'] for i, _, _ in within):.1f}",
+                f"{statistics.median(abs(after - before) for _, before, after in within):.2f}",
+                sum(before * after < 0 for _, before, after in within),
+            ])
+    header = ["rate before the movement, rev/day/Myr", "intervals", "median length, kyr", "change at the movement, median", "turned round"]
+    return "## Intervals by the rate at which the spin changes\n\nStandard resolution.\n\n" + markdown(header, rows)
 
 
 def bodies_part(runs):
