@@ -12,7 +12,7 @@ use super::lanes::{LANES, Octet, Quad, WIDE};
 use super::record;
 
 /// Spheres of a chunk: their records, sums and pairs fit the second-level cache of a core.
-pub(super) const CHUNK: usize = 512;
+pub(super) const CHUNK: usize = 1024;
 
 /// Eight pairs. Small, since all of them are read in every step.
 #[derive(Debug, Clone, Copy)]
