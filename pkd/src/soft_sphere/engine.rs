@@ -36,6 +36,12 @@ pub(super) struct Work {
     pub list_rebuilds: u64,
 }
 
+/// What has to be made anew.
+struct Outdated {
+    lists: bool,
+    field: bool,
+}
+
 /// The run.
 pub(super) struct Engine<'a> {
     gravity: &'a mut crate::gravity::Gravity,
@@ -56,7 +62,9 @@ pub(super) struct Engine<'a> {
     pairs: Pairs,
     near: Vec<(u32, u32)>,
     /// Places in the body frame when the neighbours were listed.
-    listed: [Vec<f64>; 3],
+    listed: Vec<Vector3<f64>>,
+    /// The same when a frozen field was evaluated.
+    attracted: Vec<Vector3<f64>>,
     frame: BodyFrame,
     correction: [f64; 3],
     moved: Vec<Moved>,
@@ -105,7 +113,8 @@ impl<'a> Engine<'a> {
             records,
             pairs: Pairs::new(model, parameters.cohesion_pa > 0.0),
             near: Vec::new(),
-            listed: Default::default(),
+            listed: Vec::new(),
+            attracted: Vec::new(),
             frame,
             correction: [0.0; 3],
             moved: vec![Moved::default(); n.div_ceil(CHUNK)],
@@ -263,8 +272,7 @@ impl<'a> Engine<'a> {
         let of = pairs::Spheres { records: &self.records, inverses: &self.inverses, law: &self.law };
         self.pairs.fill(self.n, &self.near, remembered, &of);
         self.near = Vec::new();
-        let places = self.places();
-        self.listed = [0, 1, 2].map(|k| places.iter().map(|y| y[k]).collect());
+        self.listed = self.places();
     }
 
     /// Notes the places in the body frame, and how far a sphere may get from them.
@@ -277,22 +285,25 @@ impl<'a> Engine<'a> {
         }
     }
 
-    /// Whether a sphere is too far from where it was seen, and whether one is from where the neighbours were listed: until
-    /// it has been seen again it must not leave the reach of the lists.
-    fn look(&self) -> (bool, bool) {
-        let (quads, left) = (record::quads(self.model), self.parameters.skin - self.watch());
-        let (mut away, mut strayed) = (false, false);
-        for (i, y) in self.places().into_iter().enumerate() {
-            // Not a number is beyond any limit.
-            let beyond = |from: Vector3<f64>, limit: f64| {
-                (y - from).norm_squared().partial_cmp(&limit) != Some(std::cmp::Ordering::Less)
-            };
-            let seen = |k: usize| self.guide(i, SEEN + k);
-            let listed = Vector3::from_fn(|k, _| self.listed[k][i]);
-            away |= beyond(Vector3::new(seen(0), seen(1), seen(2)), seen(3));
-            strayed |= beyond(listed, (left * self.records[i * quads + PLACE].0[3]).powi(2));
-        }
-        (away, strayed)
+    /// Whether a sphere is too far from where it was seen, and then also whether one is from where the neighbours were listed
+    /// or where gravity was evaluated: until it has been seen again it must not get beyond skin or tolerance.
+    fn look(&self) -> Option<Outdated> {
+        let (quads, places, watch) = (record::quads(self.model), self.places(), self.watch());
+        let seen = |i: usize| Vector3::from_fn(|k, _| self.guide(i, SEEN + k));
+        let beyond = |from: &dyn Fn(usize) -> Vector3<f64>, fraction: f64| {
+            places.iter().enumerate().any(|(i, y)| {
+                let limit = fraction * self.records[i * quads + PLACE].0[3];
+                // Not a number is beyond any limit.
+                (y - from(i)).norm_squared().partial_cmp(&(limit * limit)) != Some(std::cmp::Ordering::Less)
+            })
+        };
+        beyond(&seen, watch).then(|| Outdated {
+            lists: beyond(&|i| self.listed[i], self.parameters.skin - watch),
+            field: match self.parameters.gravity {
+                Gravity::BodyFrame { tolerance } => beyond(&|i| self.attracted[i], tolerance - watch),
+                _ => false,
+            },
+        })
     }
 
     /// A number that a sphere has in the guides.
@@ -308,18 +319,17 @@ impl<'a> Engine<'a> {
     /// Something seems to have moved: fits the frame, and renews what is out of date nevertheless.
     fn renew(&mut self) -> Result<(), PkdError> {
         self.finite()?;
-        let [from_x, from_y, from_z] = &self.listed;
+        let [from_x, from_y, from_z] = [0, 1, 2].map(|k| self.listed.iter().map(|y| y[k]).collect::<Vec<f64>>());
         let [x, y, z] = self.coordinates();
-        let fit = rigid_fit([from_x, from_y, from_z], [&x, &y, &z], &vec![true; self.n]);
+        let fit = rigid_fit([&from_x, &from_y, &from_z], [&x, &y, &z], &vec![true; self.n]);
         let turn = if fit.rank == FitRank::Full { fit.motion.rotation } else { self.frame.turn() };
         self.frame = BodyFrame::of(self.model, &self.records, &self.masses, turn);
-        let (away, strayed) = self.look();
-        if away {
-            if strayed {
+        if let Some(outdated) = self.look() {
+            if outdated.lists {
                 let remembered = self.pairs.memories();
                 self.list(&remembered);
             }
-            if self.field == FROZEN {
+            if outdated.field {
                 self.attract()?;
             }
             self.note();
@@ -393,6 +403,7 @@ impl<'a> Engine<'a> {
             let guide = &mut self.guides[i / LANES * guide + FIELD..];
             (0..3).for_each(|k| guide[k].0[i % LANES] = g[k] - mean[k]);
         }
+        self.attracted = self.places();
         if !first && size > 0.0 {
             self.work.frozen_field_error = self.work.frozen_field_error.max((error / size).sqrt());
         }

@@ -140,8 +140,7 @@ pub struct SoftSphereParameters {
     /// How an evaluation of gravity is done \[automatic, force error 1e-3\].
     pub gravity_options: GravityOptions,
     /// How far a sphere may move against the rigid motion before the lists of neighbours are made anew, as a fraction
-    /// of its radius, > 0 and <= 1 \[0.02\]. Changes the cost, not the forces; but if it is less than the tolerance of
-    /// [`Gravity::BodyFrame`], gravity is evaluated anew as well.
+    /// of its radius, > 0 and <= 1 \[0.02\]. Changes the cost, and when within its tolerance gravity is evaluated anew.
     pub skin: f64,
     /// Whether to keep the books of energy \[no\]: some percent of the time, and a potential energy
     /// at the start and end of each call.
