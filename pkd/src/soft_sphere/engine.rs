@@ -206,7 +206,10 @@ impl<'a> Engine<'a> {
             + size_of_val(&*self.near)
             + size_of_val(&*self.rows)
             + self.pairs.bytes()
-            + 8 * size_of_val(&*self.masses)
+            + size_of_val(&*self.masses)
+            + size_of_val(&*self.listed)
+            + size_of_val(&*self.attracted)
+            + 4 * size_of_val(&*self.accelerations.x)
     }
 
     /// Number of contacts and the energy of their springs.
