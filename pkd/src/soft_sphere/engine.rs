@@ -12,18 +12,16 @@ use super::dispatch::{Kernels, Processor};
 use super::history::{Contact, ContactHistory};
 use super::kernel::Heat;
 use super::lanes::{LANES, Quad};
-use super::motion::{FIELD, FROZEN, Frames, GIVEN, MASS, Moved, NONE, SEEN, collect, guide_quads};
+use super::layout::{guides, inverses, records};
+use super::motion::{FIELD, FROZEN, Frames, GIVEN, Moved, NONE, SEEN, collect, guide_quads};
 use super::pairs::{self, CHUNK, Pairs};
 use super::parameters::{Gravity, SoftSphereParameters};
-use super::record::{self, FRICTIONLESS, Lines, PLACE, PREDICTED, SPINS, VELOCITY};
+use super::record::{self, FRICTIONLESS, Lines, PLACE, PREDICTED, VELOCITY};
 use super::report::Energy;
 use super::search::{near_pairs, order_in_space};
 use crate::gravity::Accelerations;
 use crate::rigid_fit::{FitRank, rigid_fit};
 use crate::{PkdError, Spheres};
-
-/// Where spheres that do not exist are: too far for any contact, and their distances squared are still finite.
-const NOWHERE: f64 = 1e100;
 
 /// Fewer spheres than this are not worth handing to several threads.
 const PARALLEL_FROM: usize = 4000;
@@ -106,7 +104,7 @@ impl<'a> Engine<'a> {
             model,
             field,
             n,
-            inverses: inverses(&masses, spheres, &rows),
+            inverses: inverses(model, &masses, spheres, &rows),
             guides: guides(field, &masses),
             rows,
             masses,
@@ -581,48 +579,6 @@ impl<'a> Engine<'a> {
         }
         Ok(())
     }
-}
-
-/// Records of the spheres in the order of `rows`, filled up with spheres that are nowhere: at least one, and whole fours.
-fn records(model: u8, spheres: &Spheres, rows: &[u32]) -> Lines {
-    let quads = record::quads(model);
-    let mut records = Lines::new((rows.len() / LANES + 1) * LANES * quads);
-    for (k, s) in records.chunks_exact_mut(quads).enumerate() {
-        let Some(&row) = rows.get(k) else {
-            s[PLACE] = Quad([NOWHERE, NOWHERE, NOWHERE, 0.0]);
-            continue;
-        };
-        let i = row as usize;
-        let with = |[x, y, z]: [f64; 3], fourth: f64| Quad([x, y, z, fourth]);
-        let [x, y, z] = if model == FRICTIONLESS { [0.0; 3] } else { spheres.spin(i) };
-        s[PLACE] = with(spheres.position(i), spheres.radius[i]);
-        s[PREDICTED] = with(spheres.velocity(i), x);
-        s[VELOCITY] = s[PREDICTED];
-        if model != FRICTIONLESS {
-            s[SPINS] = Quad([y, z, y, z]);
-        }
-    }
-    records
-}
-
-/// 1 / mass and 1 / moment of inertia of the spheres in the order of `rows`, and zeros for those that are nowhere.
-fn inverses(masses: &[f64], spheres: &Spheres, rows: &[u32]) -> Vec<[f64; 2]> {
-    let of = |(m, row): (&f64, &u32)| [1.0 / m, 1.0 / (0.4 * m * spheres.radius[*row as usize].powi(2))];
-    let mut inverses: Vec<[f64; 2]> = masses.iter().zip(rows).map(of).collect();
-    inverses.resize((rows.len() / LANES + 1) * LANES, [0.0; 2]);
-    inverses
-}
-
-/// Guides of spheres that have not been seen: those that are nowhere may be anywhere.
-fn guides(field: u8, masses: &[f64]) -> Vec<Quad> {
-    let mut guides = vec![Quad::default(); masses.len().div_ceil(LANES) * guide_quads(field)];
-    for (guide, masses) in guides.chunks_exact_mut(guide_quads(field)).zip(masses.chunks(LANES)) {
-        guide[SEEN + 3].0 = [f64::INFINITY; LANES];
-        if field == FROZEN {
-            guide[MASS].0[..masses.len()].copy_from_slice(masses);
-        }
-    }
-    guides
 }
 
 #[cfg(test)]

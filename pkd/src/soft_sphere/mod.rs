@@ -14,6 +14,7 @@ mod engine;
 mod history;
 mod kernel;
 mod lanes;
+mod layout;
 mod motion;
 mod pairs;
 mod parameters;

@@ -4,6 +4,7 @@ use nalgebra::{Rotation3, Unit};
 
 use super::*;
 use crate::packing::{EllipsoidPacking, Grain, PACKING_FRACTION, Seed, ellipsoid_packing};
+use crate::soft_sphere::record::SPINS;
 use crate::soft_sphere::{Friction, Sliding, SlidingCap, SoftSphere};
 
 const STIFFNESS: f64 = 1e6;
