@@ -21,7 +21,10 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 PERTURBATION_M = 1e-9
 WAYS = {  # what differs from the scene: place and value
     "full": ("settling.question", "full"),
-    "brief": ("settling.question", "brief"),
+    "brief": ("settling.question", {"brief": {}}),
+    "glance-0.5": ("settling.question", {"brief": {"glance_rotations": 0.5}}),
+    "rattle-0": ("evolution.rattle_radius_fraction", 0),
+    "rattle-0.25": ("evolution.rattle_radius_fraction", 0.25),
     "collapse-1e-4": ("contact.hard_sphere.collapse_limit", 1e-4),
     "collapse-1e-3": ("contact.hard_sphere.collapse_limit", 1e-3),
 }
@@ -61,7 +64,7 @@ def scene(options, name, way, copy):
     part = text
     for folder in folders:
         part = part.setdefault(folder, {})
-    part[key] = {"brief": {}} if value == "brief" else value
+    part[key] = value
     path = options.out / f"{name}-{way}-{copy}.json"
     path.write_text(json.dumps(text, indent=2))
     return path

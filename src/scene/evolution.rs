@@ -43,6 +43,9 @@ pub struct Evolution {
     pub movement_radius_fraction: f64,
     /// How moved spheres are told from the rest (default robust).
     pub movement_rule: MovementRule,
+    /// When something moved, spheres that shifted by no more than this fraction of their radius keep their places on the new
+    /// surface: that is how far spheres at rest rattle (default 0.05).
+    pub rattle_radius_fraction: f64,
     /// If more than this fraction of the spheres moved at once, the step is taken again in fifths (default 0.5).
     pub moved_fraction_limit: f64,
     /// Period beyond which the body counts as spun down, h; null never stops it (default 20).
@@ -57,6 +60,7 @@ impl Default for Evolution {
             rk4_step_yr: 1000.0,
             movement_radius_fraction: 0.25,
             movement_rule: MovementRule::Robust,
+            rattle_radius_fraction: 0.05,
             moved_fraction_limit: 0.5,
             stop_period_h: Some(20.0),
         }

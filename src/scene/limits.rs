@@ -153,6 +153,7 @@ pub(super) const LIMITS: &[Limit] = &[
     closed("evolution.spin_change", 1e-5, 0.5),
     closed("evolution.rk4_step_yr", 1.0, 1e6),
     closed("evolution.movement_radius_fraction", 1e-3, 10.0),
+    closed("evolution.rattle_radius_fraction", 0.0, 10.0),
     above("evolution.moved_fraction_limit", 0.0, 1.0),
     above("evolution.stop_period_h", 0.0, 1e6).note("and above spin.period_h").or_null(),
     above("shed.track.rebound.t_max_days", 0.0, 1e5),

@@ -331,7 +331,10 @@ fn evolution(scene: &Scene, parts: &mut Vec<Part>) {
     parts.push(on(
         "movement detection",
         format!("rigid fit with {rule} exclusion at {} of the radius", evolution.movement_radius_fraction),
-        format!("after every change of the spin rate by {}", evolution.spin_change),
+        format!(
+            "after every change of the spin rate by {}; the surface follows shifts beyond {} of the radius",
+            evolution.spin_change, evolution.rattle_radius_fraction
+        ),
     ));
     parts.push(match evolution.stop_period_h {
         Some(period) => on("stop when spun down", format!("beyond {period} h"), "evolution.stop_period_h"),

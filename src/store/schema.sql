@@ -65,7 +65,7 @@ CREATE TABLE configuration (
     t_s                 REAL NOT NULL,
     mass_kg             REAL NOT NULL,
     sphere_ids          BLOB NOT NULL,          -- u32, N
-    positions           BLOB NOT NULL,          -- f64, N x 3, original frame; unmoved spheres keep their earlier rows exactly
+    positions           BLOB NOT NULL,          -- f64, N x 3, original frame; spheres that only rattled keep their earlier rows exactly
     body_axes           BLOB NOT NULL,          -- f64, 3 x 3: original frame to body frame (x long, z spin)
     centre_of_mass      BLOB NOT NULL,          -- f64, 3, original frame
     moments_kg_m2       BLOB NOT NULL,          -- f64, A <= B <= C

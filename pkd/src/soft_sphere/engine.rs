@@ -371,6 +371,11 @@ impl<'a> Engine<'a> {
         Ok(())
     }
 
+    /// Evaluates a frozen field once more, at the end: else a body at rest, whose field is never renewed, would show no error.
+    pub fn judge_field(&mut self) -> Result<(), PkdError> {
+        if self.field == FROZEN { self.attract() } else { Ok(()) }
+    }
+
     /// Takes the net force out of the field just evaluated: that of a tree does not balance by itself.
     fn balance(&mut self) {
         let mass = &self.masses;

@@ -177,6 +177,7 @@ impl SoftSphere {
         }
         engine.run(steps as u64, step_s, go_on)?;
         engine.finite()?;
+        engine.judge_field()?;
         let history = engine.finish(spheres);
         let (contacts, springs) = engine.springs();
         let (deepest, heat, work, bytes) = (engine.deepest(), engine.heat(), engine.work, engine.bytes());

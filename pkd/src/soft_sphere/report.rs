@@ -124,7 +124,8 @@ pub struct Report {
     pub angular_momentum_drift: f64,
     /// Evaluations of gravity.
     pub gravity_evaluations: u64,
-    /// Error of the frozen field, root mean square over that of the field, just before it was renewed: the largest seen.
+    /// Error of the frozen field, root mean square over that of the field, just before it was renewed and at the end: the largest
+    /// seen.
     pub frozen_field_error: f64,
     /// Times the neighbours were listed.
     pub list_rebuilds: u64,
