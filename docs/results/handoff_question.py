@@ -1,11 +1,11 @@
-"""What makes hand-offs cheaper beside what is dear, and what moves without sunlight: bodies from one settled file each, and that file moved by 1e-9 m.
+"""What makes hand-offs cheaper beside what is dear, what the surface follows, and what moves without sunlight: bodies from one settled file each, and that file moved by 1e-9 m.
 
     python3 docs/results/handoff_question.py run 02=0.1 04=0.5     # builds the bodies, then runs of so many Myr
     python3 docs/results/handoff_question.py run 02 --ways brief collapse-1e-3
     python3 docs/results/handoff_question.py table                 # what they show
     python3 docs/results/handoff_question.py creep 02 04           # the same bodies without sunlight
 
-The dynamics is chaotic: what the brief question or a larger collapse limit change is judged against what 1e-9 m change. Everything is in
+The dynamics is chaotic: what the brief question, a larger collapse limit or a surface that follows more or less change is judged against what 1e-9 m change. Everything is in
 out/handoff_question (--out) and is resumed where it is there already. Needs nothing but Python.
 """
 
@@ -14,6 +14,7 @@ import concurrent.futures
 import csv
 import json
 import pathlib
+import statistics
 import subprocess
 import sys
 
@@ -96,15 +97,15 @@ def advance(options, myr, name, way, copy):
 
 def table(options):
     """Movements by body and way."""
-    print("| body | way | Myr | hand-offs | movements | a Myr | spheres: median, mean | inner half | outer tenth | CPU s a check | a movement |")
-    print("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |")
+    print("| body | way | Myr | hand-offs | movements | a Myr | spheres: median, mean | all | inner half | outer tenth | rate of the spin changes by, % | CPU s a check | a movement |")
+    print("|" + " --- |" * 13)
     for path in sorted(options.out.glob("*-0.csv")):
         name = path.stem[:-2]
         for way in WAYS:
             for copy in (0, 1):
                 directory = options.out / f"{name}-{way}-{copy}"
                 if (directory / "run.sqlite").exists():
-                    label = way.replace("-", " limit ", 1) + ", perturbed" * copy
+                    label = way.replace("-", " of ", 1) + ", perturbed" * copy
                     print(row(name, label, yorp(options, "classify", directory)))
 
 
@@ -114,11 +115,19 @@ def row(name, label, found):
     cells = [
         name, label, f"{found['t_myr']:.2f}", cost["checks"] + cost["movements"], movements["count"],
         f"{movements['count'] / found['t_myr']:.0f}" if found["t_myr"] > 0 else "-",
-        f"{number(spheres['median'], '.0f')}, {number(spheres['mean'], '.0f')}",
+        f"{number(spheres['median'], '.0f')}, {number(spheres['mean'], '.0f')}", movements["spheres_moved"],
         number(movements["inner_half"], ".2f"), number(movements["outer_tenth"], ".2f"),
+        number(change_of_rate(found["walk"]["intervals"]), ".0f"),
         number(cost["cpu_seconds_per_check"], ".1f"), number(cost["cpu_seconds_per_movement"], ".1f"),
     ]  # fmt: skip
     return "| " + " | ".join(map(str, cells)) + " |"
+
+
+def change_of_rate(intervals):
+    """What a movement changes the rate of the spin by, relative to before, percent: median; None without movements."""
+    rates = [(i["spin_rev_day"][1] - i["spin_rev_day"][0]) / i["length_myr"] for i in intervals if i["length_myr"] > 0]
+    changes = [100 * abs(after / before - 1) for before, after in zip(rates, rates[1:]) if before]
+    return statistics.median(changes) if changes else None
 
 
 def creep(options):
