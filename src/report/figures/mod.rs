@@ -5,6 +5,7 @@
 
 mod canvas;
 mod cost;
+mod course;
 mod error;
 mod files;
 mod loss;

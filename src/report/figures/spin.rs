@@ -3,11 +3,13 @@
 //! After Figures 4, 5, 7, 10 and 14 of Cotto-Figueroa et al. (2015), ApJ 803, 25: squares mark mass loss, and where the
 //! rigid body wanders much further than the aggregate a second column shows the aggregate alone.
 
+use super::course::within;
 use super::palette::{BLACK, Colour, sequential};
 use super::plot::{Axis, ColourBar, Kind, Layer, LegendEntry, Mark, Missing, Panel, Plot, extent};
 use crate::classify::{Quantity, Segment, segments};
 use crate::evolve::driver::MYR_S;
 use crate::evolve::rigid::REV_PER_DAY;
+use crate::evolve::spin::SpinState;
 use crate::report::RunData;
 use crate::store::{LegRecord, RigidRecord};
 
@@ -76,9 +78,11 @@ struct Stretch {
 
 fn stretches(run: &RunData) -> Vec<Stretch> {
     let point = |s: &Segment, k: usize| [s.t_s[k] / MYR_S, Quantity::Spin.of(s)[k], Quantity::Obliquity.of(s)[k]];
+    let between = |s: &SpinState| [s.t_s / MYR_S, s.omega / REV_PER_DAY, s.obliquity.to_degrees()];
+    let after_start = |s: &Segment| within(run, s).iter().map(between).chain([point(s, 1)]).collect::<Vec<_>>();
     let stretch = |of: &[Segment]| Stretch {
         configuration: of[0].configuration,
-        points: std::iter::once(point(&of[0], 0)).chain(of.iter().map(|s| point(s, 1))).collect(),
+        points: std::iter::once(point(&of[0], 0)).chain(of.iter().flat_map(after_start)).collect(),
     };
     segments(run).chunk_by(|a, b| a.configuration == b.configuration).map(stretch).collect()
 }
