@@ -446,7 +446,9 @@ def page(options):
         if rows:
             parts += [table_2(rows, title), table_3(rows, title)]
     parts += [table_4(runs)]
-    parts += [items(runs, groups, intervals, losses), rates_part(intervals), bodies_part(runs), reasons_part(runs)]
+    parts += [items(groups, intervals, losses), rates_part(intervals), variants_part(groups, intervals)]
+    kept = [r for r in runs if "+" not in r["run"]]
+    parts += [bodies_part(kept), reasons_part(kept)]
     text = "\n".join(parts)
     if not options.markdown:
         print(text)
@@ -459,7 +461,7 @@ def page(options):
 
 
 def grouped(runs):
-    """Standard, high resolution, soft spheres, and each variant beside the same bodies without it."""
+    """Standard, high resolution, soft spheres, and each variant."""
     groups = {}
     for title, names in (("standard", STANDARD), ("high resolution", HIGH), ("soft spheres", SOFT)):
         groups[title] = [r for r in runs if r["run"] in names]
@@ -554,17 +556,14 @@ def table_4(runs):
     return "## Table 4: mass loss\n\n" + note + "\n" + markdown(header, rows)
 
 
-def items(runs, groups, intervals, losses):
-    """What the paper states in sections 3.1 to 3.5, for every group of runs."""
+def items(groups, intervals, losses):
+    """What the paper states in sections 3.1 to 3.5, for every group of runs but variants."""
     columns = {}
-    for title, rows in groups.items():
-        columns[title] = item_values(rows, intervals, losses)
+    for title in [t for t in ("standard", "high resolution", "soft spheres") if t in groups]:
+        columns[title] = item_values(groups[title], intervals, losses)
         names = {"standard": STANDARD, "high resolution": HIGH}.get(title)
         if names:
             columns[f"*{title}, paper*"] = paper_values(names)
-        elif title != "soft spheres":
-            bases = {r["run"].partition("+")[0] for r in rows}
-            columns[f"{title}: these bodies as they are"] = item_values([r for r in runs if r["run"] in bases], intervals, losses)
     rows = [[name, *(column[k] for column in columns.values())] for k, name in enumerate(ITEMS)]
     note = "Counts are of the runs that have evolved, over the times above.\n"
     return "## Side by side\n\n" + note + "\n" + markdown(["", *columns], rows)
@@ -723,6 +722,30 @@ def rates_part(intervals):
             ])
     header = ["rate before the movement, rev/day/Myr", "intervals", "median length, kyr", "change at the movement, median", "turned round"]
     return "## Intervals by the rate at which the spin changes\n\nStandard resolution.\n\n" + markdown(header, rows)
+
+
+def variants_part(groups, intervals):
+    """Changed copies of some scenes, all of them together."""
+    rows = []
+    for title in [t for t in groups if t not in ("standard", "high resolution", "soft spheres")]:
+        runs = groups[title]
+        mine = [i for i in intervals if i["run"] in {r["run"] for r in runs} and i["length_myr"] > 0]
+        rates = [(i["run"], (i["spin1_rev_day"] - i["spin0_rev_day"]) / i["length_myr"]) for i in mine]
+        changes = [100 * abs(b / a - 1) for (run, a), (other, b) in zip(rates, rates[1:]) if run == other and a]
+        middle = lambda values, form: f"{statistics.median(values):{form}}" if values else "-"
+        movements, moved = sum(r["movements"]["count"] for r in runs), sum(r["movements"]["spheres_moved"] for r in runs)
+        share = lambda key: f"{100 * sum((r['movements'][key] or 0) * r['movements']['spheres_moved'] for r in runs) / moved:.0f}" if moved else "-"
+        cpu = sum(r["cost"]["cpu_seconds"] for r in runs)
+        rows.append([
+            title, " ".join(r["run"].partition("+")[0] for r in runs), f"{sum(r['t_myr'] for r in runs):.2f}", movements, moved,
+            f"{moved / movements:.0f}" if movements else "-", share("inner_half"), share("outer_tenth"), middle([1000 * i["length_myr"] for i in mine], ".0f"),
+            middle(changes, ".0f"), sum(a * b < 0 for (run, a), (other, b) in zip(rates, rates[1:]) if run == other),
+            f"{max(r['aggregate']['max_spin_rev_day'] for r in evolved(runs)):.1f}", f"{cpu:.0f}",
+        ])
+    if not rows:
+        return ""
+    header = ["variant", "bodies", "Myr", "movements", "spheres moved", "a movement, mean", "inner half, %", "outer tenth, %", "median interval, kyr", "rate changes by, %", "turned round", "largest spin", "CPU s"]
+    return "## Suspects varied\n\nThe same bodies over the same time.\n\n" + markdown(header, rows)
 
 
 def bodies_part(runs):
