@@ -705,11 +705,16 @@ def thirds(runs, intervals):
     return ", ".join(mean([v for v in rates[k::2] if v is not None]) for k in (0, 1))
 
 
+def changes_of_rate(intervals, names):
+    """Intervals of these runs that another follows, with the rate of the spin in it and in the next, rev/day/Myr."""
+    mine = [i for i in intervals if i["run"] in names and i["length_myr"] > 0]
+    rate = lambda i: (i["spin1_rev_day"] - i["spin0_rev_day"]) / i["length_myr"]
+    return [(one, rate(one), rate(other)) for one, other in zip(mine, mine[1:]) if one["run"] == other["run"]]
+
+
 def rates_part(intervals):
     """What a movement does to the rate of the spin, by that rate before it: slow ones last, and only they turn round."""
-    mine = [i for i in intervals if i["run"] in STANDARD and i["length_myr"] > 0]
-    rate = lambda i: (i["spin1_rev_day"] - i["spin0_rev_day"]) / i["length_myr"]
-    pairs = [(one, rate(one), rate(other)) for one, other in zip(mine, mine[1:]) if one["run"] == other["run"]]
+    pairs = changes_of_rate(intervals, STANDARD)
     rows = []
     for low, high in itertools.pairwise([0, 0.5, 1, 2, 4, 8, INF]):
         within = [(i, before, after) for i, before, after in pairs if low <= abs(before) < high]
@@ -729,18 +734,18 @@ def variants_part(groups, intervals):
     rows = []
     for title in [t for t in groups if t not in ("standard", "high resolution", "soft spheres")]:
         runs = groups[title]
-        mine = [i for i in intervals if i["run"] in {r["run"] for r in runs} and i["length_myr"] > 0]
-        rates = [(i["run"], (i["spin1_rev_day"] - i["spin0_rev_day"]) / i["length_myr"]) for i in mine]
-        changes = [100 * abs(b / a - 1) for (run, a), (other, b) in zip(rates, rates[1:]) if run == other and a]
+        names = {r["run"] for r in runs}
+        lengths = [1000 * i["length_myr"] for i in intervals if i["run"] in names]
+        pairs = changes_of_rate(intervals, names)
         middle = lambda values, form: f"{statistics.median(values):{form}}" if values else "-"
         movements, moved = sum(r["movements"]["count"] for r in runs), sum(r["movements"]["spheres_moved"] for r in runs)
         share = lambda key: f"{100 * sum((r['movements'][key] or 0) * r['movements']['spheres_moved'] for r in runs) / moved:.0f}" if moved else "-"
         cpu = sum(r["cost"]["cpu_seconds"] for r in runs)
         rows.append([
             title, " ".join(r["run"].partition("+")[0] for r in runs), f"{sum(r['t_myr'] for r in runs):.2f}", movements, moved,
-            f"{moved / movements:.0f}" if movements else "-", share("inner_half"), share("outer_tenth"), middle([1000 * i["length_myr"] for i in mine], ".0f"),
-            middle(changes, ".0f"), sum(a * b < 0 for (run, a), (other, b) in zip(rates, rates[1:]) if run == other),
-            f"{max(r['aggregate']['max_spin_rev_day'] for r in evolved(runs)):.1f}", f"{cpu:.0f}",
+            f"{moved / movements:.0f}" if movements else "-", share("inner_half"), share("outer_tenth"), middle(lengths, ".0f"),
+            middle([100 * abs(b / a - 1) for _, a, b in pairs if a], ".0f"), sum(a * b < 0 for _, a, b in pairs),
+            f"{max((r['aggregate']['max_spin_rev_day'] for r in evolved(runs)), default=0):.1f}", f"{cpu:.0f}",
         ])
     if not rows:
         return ""

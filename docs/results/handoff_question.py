@@ -1,12 +1,12 @@
-"""What makes hand-offs cheaper beside what is dear, what the surface follows, and what moves without sunlight: bodies from one settled file each, and that file moved by 1e-9 m.
+"""Cheap hand-offs beside dear ones, what the surface follows, and what moves without sunlight.
 
     python3 docs/results/handoff_question.py run 02=0.1 04=0.5     # builds the bodies, then runs of so many Myr
     python3 docs/results/handoff_question.py run 02 --ways brief collapse-1e-3
     python3 docs/results/handoff_question.py table                 # what they show
     python3 docs/results/handoff_question.py creep 02 04           # the same bodies without sunlight
 
-The dynamics is chaotic: what the brief question, a larger collapse limit or a surface that follows more or less change is judged against what 1e-9 m change. Everything is in
-out/handoff_question (--out) and is resumed where it is there already. Needs nothing but Python.
+Bodies start from one settled file each, and from that file with the centres moved by 1e-9 m: the dynamics is chaotic, so what a
+way of running changes is judged against what 1e-9 m change. Everything is in out/handoff_question (--out) and is resumed where it is there already. Needs nothing but Python.
 """
 
 import argparse

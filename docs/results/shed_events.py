@@ -64,6 +64,8 @@ def follow(yorp, folder, database, leg, omega):
 
 
 def main():
+    if len(sys.argv) < 4:
+        sys.exit(__doc__)
     yorp, folder = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2])
     folder.mkdir(parents=True, exist_ok=True)
     print(f"| run | Myr | spin, rev/day | shed | {' | '.join(FATES)} | followed again: {' | '.join(FATES)} | s |")
