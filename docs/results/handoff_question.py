@@ -1,33 +1,38 @@
 """Cheap hand-offs beside dear ones, what the surface follows, and what moves without sunlight.
 
-    python3 docs/results/handoff_question.py run 02=0.1 04=0.5     # builds the bodies, then runs of so many Myr
-    python3 docs/results/handoff_question.py run 02 --ways brief collapse-1e-3
-    python3 docs/results/handoff_question.py table                 # what they show
-    python3 docs/results/handoff_question.py creep 02 04           # the same bodies without sunlight
+    python3 docs/results/handoff_question.py run 04=0.2 07=0.15 --ways full brief   # builds the bodies, then runs of so many Myr
+    python3 docs/results/handoff_question.py table                 # run by run
+    python3 docs/results/handoff_question.py compare               # each way against the full question
+    python3 docs/results/handoff_question.py creep 04 04-full-0    # bodies, and the last states of runs, without sunlight
 
-Bodies start from one settled file each, and from that file with the centres moved by 1e-9 m: the dynamics is chaotic, so what a
-way of running changes is judged against what 1e-9 m change. Everything is in out/handoff_question (--out) and is resumed where it is there already. Needs nothing but Python.
+Bodies start from one settled file each, and from that file with the centres moved by 1e-9 m in other patterns: the dynamics is
+chaotic, so what a way of running changes is judged against what 1e-9 m change. Everything is in out/handoff_question (--out) and
+is resumed where it is there already. Needs nothing but Python.
 """
 
 import argparse
 import concurrent.futures
+import contextlib
 import csv
 import json
+import math
 import pathlib
+import sqlite3
 import statistics
+import struct
 import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PERTURBATION_M = 1e-9
+STRETCHES = 16
 WAYS = {  # what differs from the scene: place and value
     "full": ("settling.question", "full"),
     "brief": ("settling.question", {"brief": {}}),
-    "glance-0.5": ("settling.question", {"brief": {"glance_rotations": 0.5}}),
+    "glance-0.1": ("settling.question", {"brief": {"rotations_per_load": 0, "glance_rotations": 0.1}}),
+    "glance-1": ("settling.question", {"brief": {"rotations_per_load": 0, "glance_rotations": 1}}),
     "rattle-0": ("evolution.rattle_radius_fraction", 0),
     "rattle-0.25": ("evolution.rattle_radius_fraction", 0.25),
-    "collapse-1e-4": ("contact.hard_sphere.collapse_limit", 1e-4),
-    "collapse-1e-3": ("contact.hard_sphere.collapse_limit", 1e-3),
 }
 
 
@@ -41,7 +46,7 @@ def yorp(options, *arguments):
 
 
 def body(options, name, copy):
-    """The settled body of a scene, or its copy 1 with centres moved by 1e-9 m."""
+    """The settled body of a scene, or a copy with centres moved by 1e-9 m back and forth, each so many rows."""
     path = options.out / f"{name}-{copy}.csv"
     if path.exists():
         return path
@@ -51,7 +56,7 @@ def body(options, name, copy):
     header, *rows = csv.reader(body(options, name, 0).read_text().splitlines())
     column = header.index("x_m")
     for k, row in enumerate(rows):
-        row[column] = repr(float(row[column]) + (-1) ** k * PERTURBATION_M)
+        row[column] = repr(float(row[column]) + (-1) ** (k // copy) * PERTURBATION_M)
     path.write_text("".join(",".join(row) + "\n" for row in [header, *rows]))
     return path
 
@@ -76,7 +81,7 @@ def run(options):
     goals = dict(map(goal, options.names))
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
         list(pool.map(lambda name: body(options, name, 1), goals))
-        tasks = [(name, way, copy) for name in goals for way in options.ways for copy in (0, 1)]
+        tasks = [(name, way, copy) for copy in range(options.copies) for name in goals for way in options.ways]
         list(pool.map(lambda task: advance(options, goals[task[0]], *task), tasks))
 
 
@@ -102,11 +107,31 @@ def table(options):
     for path in sorted(options.out.glob("*-0.csv")):
         name = path.stem[:-2]
         for way in WAYS:
-            for copy in (0, 1):
-                directory = options.out / f"{name}-{way}-{copy}"
-                if (directory / "run.sqlite").exists():
-                    label = way.replace("-", " of ", 1) + ", perturbed" * copy
-                    print(row(name, label, yorp(options, "classify", directory)))
+            for copy, (_, found) in enumerate(runs(options, name, way)):
+                print(row(name, way.replace("-", " of ", 1) + (f", perturbed {copy}" if copy else ""), found))
+
+
+def runs(options, name, way):
+    """The runs of a body in one way and what they show, by copy."""
+    directories = [options.out / f"{name}-{way}-{copy}" for copy in range(options.copies)]
+    return [(d, yorp(options, "classify", d)) for d in directories if (d / "run.sqlite").exists()]
+
+
+def legs(directory):
+    """Result and moved spheres of every hand-off of a run."""
+    with contextlib.closing(sqlite3.connect(f"file:{directory}/run.sqlite?mode=ro", uri=True)) as database:
+        return database.execute("SELECT result, moved FROM leg ORDER BY leg").fetchall()
+
+
+def last_state(directory, path):
+    """Writes the spheres of a run as they are now, in the columns of a built body."""
+    with contextlib.closing(sqlite3.connect(f"file:{directory}/run.sqlite?mode=ro", uri=True)) as database:
+        ((spheres,),) = database.execute("SELECT spheres FROM state")
+    values = struct.unpack(f"<{len(spheres) // 8}d", spheres)
+    columns = "x_m y_m z_m vx_m_s vy_m_s vz_m_s wx_rad_s wy_rad_s wz_rad_s mass_kg radius_m".split()
+    count = len(values) // len(columns)
+    rows = zip(*(values[k * count : (k + 1) * count] for k in range(len(columns))))
+    path.write_text(",".join(columns) + "\n" + "".join(",".join(map(repr, row)) + "\n" for row in rows))
 
 
 def row(name, label, found):
@@ -130,34 +155,88 @@ def change_of_rate(intervals):
     return statistics.median(changes) if changes else None
 
 
+MEASURES = {  # what is compared of a run: its movements' sizes, its hand-offs, what `yorp classify` finds
+    "movements a hand-off": lambda sizes, hand_offs, found: len(sizes) / hand_offs,
+    "movements a Myr": lambda sizes, hand_offs, found: len(sizes) / found["t_myr"],
+    "spheres moved, a hand-off": lambda sizes, hand_offs, found: sum(sizes) / hand_offs,
+    "log10 of the spheres in a movement": lambda sizes, hand_offs, found: statistics.mean(map(math.log10, sizes)),
+    "share of single spheres": lambda sizes, hand_offs, found: sizes.count(1) / len(sizes),
+    "inner half": lambda sizes, hand_offs, found: found["movements"]["inner_half"],
+    "outer tenth": lambda sizes, hand_offs, found: found["movements"]["outer_tenth"],
+}
+
+
+def compare(options):
+    """Means over bodies of what each way shows, and how many standard errors it is from the full question.
+
+    The error is from the scatter among the copies of one body in one way, pooled over bodies and ways. A movement so large that
+    its leg is repeated counts, too: it is what the question found.
+    """
+    names = [path.stem[:-2] for path in sorted(options.out.glob("*-0.csv"))]
+    measured = {(name, way): [measures(*run) for run in runs(options, name, way)] for name in names for way in options.ways}
+    print(f"| | {' | '.join(options.ways)} |")
+    print("|" + " --- |" * (len(options.ways) + 1))
+    for label in MEASURES:
+        cells = {key: [m[label] for m in rows if m[label] is not None] for key, rows in measured.items()}
+        print(f"| {label} | {' | '.join(compared(cells, names, way) for way in options.ways)} |")
+
+
+def measures(directory, found):
+    """What is compared of one run; None where it has no movements to speak of."""
+    rows = legs(directory)
+    sizes = [moved for result, moved in rows if result in ("movement", "backtracked")]
+    return {
+        label: measure(sizes, len(rows), found) if sizes or label.endswith(("hand-off", "Myr")) else None
+        for label, measure in MEASURES.items()
+    }
+
+
+def compared(cells, names, way):
+    """The mean of a way and its distance from the full question, over the bodies that both have."""
+    scatter = [x - statistics.mean(xs) for xs in cells.values() if len(xs) > 1 for x in xs]
+    freedom = sum(len(xs) - 1 for xs in cells.values() if len(xs) > 1)
+    names = [name for name in names if cells[name, way] and cells[name, "full"]]
+    if not names or not freedom:
+        return "-"
+    mean = statistics.mean(statistics.mean(cells[name, way]) for name in names)
+    if way == "full":
+        return f"{mean:.3g}"
+    full = statistics.mean(statistics.mean(cells[name, "full"]) for name in names)
+    variance = sum(x * x for x in scatter) / freedom
+    error = math.sqrt(variance * sum(1 / len(cells[n, w]) for n in names for w in (way, "full"))) / len(names)
+    return f"{mean:.3g} ({(mean - full) / error:+.1f})"
+
+
 def creep(options):
-    """Spheres that move in each of four successive stretches of five rotations without sunlight, the spin left alone."""
-    print("| body | moved in each five rotations | the same, perturbed |")
-    print("| --- | --- | --- |")
+    """Spheres that move in each of successive stretches of five rotations without sunlight, the spin left alone."""
+    print(f"| body | moved in each of {STRETCHES} times five rotations |")
+    print("| --- | --- |")
     for name in options.names:
-        cells = []
-        for copy in (0, 1):
-            here, moved = body(options, name, copy), []
-            for stretch in range(4):
-                there = options.out / f"{name}-{copy}-alone-{stretch}.csv"
-                moved.append(yorp(options, "relax", here, "--rotations", 5, "--out", there)["moved_spheres"])
-                here = there
-            cells.append(", ".join(map(str, moved)))
-        print(f"| {name} | {' | '.join(cells)} |", flush=True)
+        here, moved = options.out / f"{name}-alone.csv", []
+        if (options.out / name / "run.sqlite").exists():
+            last_state(options.out / name, here)
+        else:
+            here = body(options, name, 0)
+        for stretch in range(STRETCHES):
+            there = options.out / f"{name}-alone-{stretch}.csv"
+            moved.append(yorp(options, "relax", here, "--rotations", 5, "--out", there)["moved_spheres"])
+            here = there
+        print(f"| {name} | {', '.join(map(str, moved))} |", flush=True)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("verb", choices=["run", "table", "creep"])
-    parser.add_argument("names", nargs="*", help="scenes: NAME, or NAME=MYR")
+    parser.add_argument("verb", choices=["run", "table", "compare", "creep"])
+    parser.add_argument("names", nargs="*", help="scenes: NAME, or NAME=MYR; to creep also runs: NAME-WAY-COPY")
     parser.add_argument("--ways", nargs="*", choices=WAYS, default=list(WAYS), help="ways to run them")
+    parser.add_argument("--copies", type=int, default=2, help="the body and so many less one that are perturbed")
     parser.add_argument("--out", type=pathlib.Path, default=ROOT / "out" / "handoff_question")
     parser.add_argument("--scenes", type=pathlib.Path, default=ROOT / "scenarios" / "cotto_figueroa_2015")
     parser.add_argument("--yorp", type=pathlib.Path, default=ROOT / "target" / "release" / "yorp")
     parser.add_argument("--jobs", type=int, default=1, help="runs at a time")
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
-    {"run": run, "table": table, "creep": creep}[options.verb](options)
+    {"run": run, "table": table, "compare": compare, "creep": creep}[options.verb](options)
 
 
 main()

@@ -3,24 +3,16 @@
 //! Source: Cotto-Figueroa et al. (2015), ApJ 803, 25, section 3.3, Table 4 and Figure 12. An event is one leg whose check
 //! shed something. Limits of loose material: Harris (1996), Lunar Planet. Sci. 27, 493.
 
-use std::f64::consts::PI;
-
-use pkd::constants::G;
-
 use super::distribution::Distribution;
 use super::sequences::JacobiSequence;
 use super::shape::Proportions;
+use crate::evolve::check::sphere_limit;
 use crate::evolve::driver::MYR_S;
 use crate::evolve::rigid::REV_PER_DAY;
 use crate::report::RunData;
 
-/// Spin rate, rad/s, at which loose material floats off the equator of a sphere of density `density_kg_m3`.
-pub fn sphere_limit(density_kg_m3: f64) -> f64 {
-    (4.0 / 3.0 * PI * G * density_kg_m3).sqrt()
-}
-
-/// Likewise off the ends of a prolate body with that ratio of the axes in its equator: slower by the ratio's root, the
-/// approximation behind Table 4.
+/// Spin rate, rad/s, at which loose material floats off the ends of a prolate body with that ratio of the axes in its
+/// equator: slower than off a sphere by the ratio's root, the approximation behind Table 4.
 pub fn prolate_limit(density_kg_m3: f64, b_over_a: f64) -> f64 {
     sphere_limit(density_kg_m3) * b_over_a.sqrt()
 }

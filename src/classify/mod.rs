@@ -26,7 +26,7 @@ pub use criteria::Criteria;
 pub use distribution::Distribution;
 pub use kinds::{Course, Kind, Stretch, Trend, Verdict, classify_quantity};
 pub use likeness::Likeness;
-pub use losses::{Fates, LossEvent, Losses, prolate_limit, sphere_limit};
+pub use losses::{Fates, LossEvent, Losses, prolate_limit};
 pub use movements::Movements;
 pub use range::{AggregateRange, RigidRange};
 pub use sequences::{Figure, JacobiSequence, triaxiality};

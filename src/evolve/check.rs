@@ -2,15 +2,14 @@
 //! compared with its present configuration.
 //!
 //! The full question of Cotto-Figueroa et al. (2015, section 2.4) evolves whole blocks of rotations, whatever they show:
-//! thousands of times in a run, mostly to see nothing. The brief one looks half as long each time that nothing stirs,
-//! from the rotation of rest that ends a movement down to a glance of a tenth: long enough for a sphere out of balance
-//! by a hundredth of gravity to show. A look is enough while nothing has left the place where it last lay at rest
-//! by more than rattling; shifts too slow for one look add up over those that follow. Otherwise blocks of rotations
-//! follow until one is quiet, and where the spheres then lie is the new place of rest. A spin that has changed by some
-//! percent since then is given a whole rotation again.
+//! thousands of times in a run, mostly to see nothing. The brief one looks for a time in proportion to the load that the
+//! leg has added: spheres give way after some shaking, and slow spins load a body little. A look is enough while nothing
+//! has left the place where it last lay at rest by more than rattling; shifts too slow for one look add up over those that
+//! follow. Otherwise blocks of rotations follow until one is quiet, and where the spheres then lie is the new place of rest.
 
 use nalgebra::Vector3;
 use pkd::Spheres;
+use pkd::constants::G;
 use pkd::frame::add_spin;
 use pkd::mass_properties::mass_properties;
 
@@ -22,7 +21,7 @@ use super::movement::{Movement, MovementRule, detect_movement};
 use super::observer::{Observer, Progress};
 use super::shedding::{Breakup, on_one_body};
 use crate::scene::{BriefQuestion, Question, Scene};
-use crate::store::{ConfigurationRecord, DynamicsRecord, Rest, Shedding, State};
+use crate::store::{ConfigurationRecord, DynamicsRecord, Shedding, State};
 
 /// How the aggregate answered.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,7 +35,7 @@ pub struct Check {
     /// Whether the last block was without movement, or the movement need not end because the leg is repeated.
     pub settled: bool,
     /// Where the aggregate was last seen at rest, for the next question.
-    pub rest: Option<Rest>,
+    pub rest: Option<[Vec<f64>; 3]>,
     /// What left.
     pub shedding: Shedding,
     /// Set if what left is so heavy that the run ends.
@@ -82,18 +81,13 @@ pub fn check_spin(
     let mut after_rotation = |_, observer: &mut dyn Observer| observer.progress(progress);
     let mut dynamics = DynamicsRecord::default();
     if let (Question::Brief(brief), Some(rest)) = (settling.question, &state.rest) {
-        let changed = (omega / rest.omega - 1.0).abs() >= brief.spin_change;
-        let look = if changed { brief.block_rotations } else { rest.look_rotations };
+        let look = look_rotations(&brief, [state.omega, omega], configuration);
         (_, dynamics) = evolve_stretch(engine, &mut body, look, observer, &mut after_rotation)?;
         if on_one_body(&body.spheres)
             && rests(rest, &body.spheres, fraction)
             && compare(scene, configuration, &body).count() == 0
         {
-            let look_rotations = next_look(&brief, look);
-            let rest =
-                if changed { rest_at(&body.spheres, look_rotations)? } else { Rest { look_rotations, ..rest.clone() } };
-            let rest = Some(rest);
-            let shedding = Shedding::default();
+            let (rest, shedding) = (Some(rest.clone()), Shedding::default());
             return Ok(Check { body, movement: None, dynamics, settled: true, rest, shedding, breakup: None });
         }
     }
@@ -122,7 +116,7 @@ pub fn check_spin(
         let over = breakup.is_some() || discarded || dynamics.rotations >= f64::from(settling.max_rotations);
         if unmoved || quiet || over {
             let movement = moved.then_some(movement);
-            let rest = rest_of(scene, &body.spheres)?;
+            let rest = rest_of(scene, &body.spheres);
             let settled = quiet || unmoved || discarded;
             return Ok(Check { body, movement, dynamics, settled, rest, shedding, breakup });
         }
@@ -130,30 +124,27 @@ pub fn check_spin(
 }
 
 /// Where the spheres lie after a quiet block, for a scene whose questions are brief.
-///
-/// # Errors
-/// A sphere that is not finite.
-pub(super) fn rest_of(scene: &Scene, spheres: &Spheres) -> Result<Option<Rest>, EvolveError> {
+pub(super) fn rest_of(scene: &Scene, spheres: &Spheres) -> Option<[Vec<f64>; 3]> {
     match scene.settling.question {
-        Question::Full => Ok(None),
-        Question::Brief(brief) => rest_at(spheres, next_look(&brief, brief.block_rotations)).map(Some),
+        Question::Full => None,
+        Question::Brief(_) => Some(coordinates(spheres).map(<[f64]>::to_vec)),
     }
 }
 
-/// How long to look after a quiet look of `look` rotations.
-fn next_look(brief: &BriefQuestion, look: f64) -> f64 {
-    (0.5 * look).max(brief.glance_rotations)
+/// How long to look at a body whose spin rate has changed from `before` to `after`, rad/s.
+fn look_rotations(brief: &BriefQuestion, [before, after]: [f64; 2], configuration: &ConfigurationRecord) -> f64 {
+    let limit = sphere_limit(configuration.densities_kg_m3[2]);
+    let load = (after * after - before * before).abs() / (limit * limit);
+    (brief.rotations_per_load * load).clamp(brief.glance_rotations, brief.block_rotations)
 }
 
-/// The spheres at rest where they are, to be looked at for `look_rotations` next time.
-fn rest_at(spheres: &Spheres, look_rotations: f64) -> Result<Rest, EvolveError> {
-    let omega = mass_properties(spheres)?.spin_rate();
-    Ok(Rest { omega, look_rotations, positions: coordinates(spheres).map(<[f64]>::to_vec) })
+/// Spin rate, rad/s, at which loose material floats off the equator of a sphere of density `density_kg_m3`.
+pub fn sphere_limit(density_kg_m3: f64) -> f64 {
+    (4.0 / 3.0 * std::f64::consts::PI * G * density_kg_m3).sqrt()
 }
 
 /// Whether no sphere has left its place of rest by more than it may.
-fn rests(rest: &Rest, spheres: &Spheres, radius_fraction: f64) -> bool {
-    let [x, y, z] = &rest.positions;
+fn rests([x, y, z]: &[Vec<f64>; 3], spheres: &Spheres, radius_fraction: f64) -> bool {
     let now = coordinates(spheres);
     detect_movement([x, y, z], now, &spheres.radius, radius_fraction, MovementRule::Robust).count() == 0
 }
@@ -208,7 +199,7 @@ mod tests {
         to_principal_axes(&mut spheres).unwrap();
         set_rigid_rotation(&mut spheres, Vector3::z() * 1.7e-4).unwrap();
         let mut state = begin(scene, spheres).unwrap();
-        state.rest = rest_of(scene, &state.spheres).unwrap();
+        state.rest = rest_of(scene, &state.spheres);
         let original = Original::new(scene, &state.spheres).unwrap();
         let shape = object_0(scene, &original, &state, &mut Ledger::default()).unwrap();
         (state, shape.record)
@@ -234,37 +225,37 @@ mod tests {
         Scene::parse(&text, Path::new("test")).unwrap()
     }
 
+    /// The load is the change of the spin rate squared over 4 pi G rho / 3, rho by the hull.
     #[test]
-    fn looks_at_a_body_at_rest_get_shorter_until_the_spin_has_changed() {
+    fn a_look_at_a_body_at_rest_is_as_long_as_the_load_asks_within_its_bounds() {
         let scene = scene("{}");
-        let (mut state, configuration) = lattice(&scene);
-        let mut omega = state.omega;
-        let mut looks = Vec::new();
-        for _ in 0..12 {
-            omega *= 1.005;
+        let (state, configuration) = lattice(&scene);
+        let limit_squared = 4.0 / 3.0 * std::f64::consts::PI * pkd::constants::G * configuration.densities_kg_m3[2];
+        let look = |omega: f64| {
             let check = ask(&scene, &state, &configuration, omega);
-            assert!(check.movement.is_none() && check.settled);
-            looks.push(check.dynamics.rotations);
-            (state.spheres, state.rest) = (check.body.spheres, check.rest);
+            assert!(check.movement.is_none() && check.settled && check.rest == state.rest);
+            check.dynamics.rotations
+        };
+        for change in [1.005_f64, 0.995] {
+            let load = (change * change - 1.0).abs() * state.omega.powi(2) / limit_squared;
+            let expected = 500.0 * load;
+            assert!((0.1..1.0).contains(&expected), "{expected}");
+            assert!((look(change * state.omega) / expected - 1.0).abs() < 1e-9);
         }
-        // 1.005^10 is 1.051
-        assert_eq!(looks, [0.5, 0.25, 0.125, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 1.0, 0.5, 0.25]);
-        let properties = mass_properties(&state.spheres).unwrap();
-        assert!((properties.spin_rate() / omega - 1.0).abs() < 1e-3);
+        assert_eq!([look(1.0001 * state.omega), look(1.05 * state.omega)], [0.1, 1.0]);
     }
 
     #[test]
     fn a_falling_stone_is_seen_by_a_glance_and_followed_until_it_lies() {
         let scene = scene("{}");
         let (mut state, configuration) = lattice(&scene);
-        state.rest = Some(Rest { look_rotations: 0.1, ..state.rest.unwrap() });
         let top = (0..state.spheres.len()).max_by(|i, j| state.spheres.z[*i].total_cmp(&state.spheres.z[*j])).unwrap();
         state.spheres.z[top] += 60.0;
         state.spheres.vx[top] += 0.1;
         let check = ask(&scene, &state, &configuration, state.omega);
         assert!(check.dynamics.rotations > 1.0 && check.settled);
         assert!(check.movement.is_some_and(|movement| movement.moved[top]));
-        assert_eq!(check.rest.map(|rest| rest.look_rotations), Some(0.5));
+        assert_ne!(check.rest, state.rest);
     }
 
     #[test]

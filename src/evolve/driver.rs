@@ -152,7 +152,7 @@ impl Driver<'_> {
         let rigid: Vec<_> = cycle.states.iter().map(sample).collect();
         state.stage = Stage::Evolving;
         state.configuration = Some(0);
-        state.rest = rest_of(self.scene, &state.spheres)?;
+        state.rest = rest_of(self.scene, &state.spheres);
         self.save(|store, ledger| store.save_object_0(&original.record(), &shape.record, &rigid, &state, ledger))?;
         Ok(state)
     }

@@ -151,7 +151,7 @@ impl Default for Settling {
 pub enum Question {
     /// As Cotto-Figueroa et al. (2015), section 2.4: blocks of `settling.rotations`, whatever they show.
     Full,
-    /// A look that gets shorter as long as nothing stirs.
+    /// A look as long as the load that the spin adds is large.
     Brief(BriefQuestion),
 }
 
@@ -165,21 +165,21 @@ impl Default for Question {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct BriefQuestion {
+    /// Rotations that a look lasts for each unit of load, which is the change of the spin rate squared over its value at
+    /// the limit of a sphere, 4 pi G rho / 3 (default 500: at half that rate, 1 for a change of 0.8 %).
+    pub rotations_per_load: f64,
     /// Rotations of the shortest look (default 0.1).
     pub glance_rotations: f64,
-    /// Rotations of the blocks in which a movement is followed (default 1). Looks are half as long each time that
-    /// nothing stirs, beginning after the block of rest that ends a movement.
+    /// Rotations of the longest look, and of the blocks in which a movement is followed (default 1).
     pub block_rotations: f64,
     /// The body is at rest while no sphere has shifted by more than this fraction of what counts as a movement, in a
     /// block or in all looks since it was last found at rest (default 0.5; rattling of loose spheres reaches 0.3).
     pub rest_fraction: f64,
-    /// Relative change of the spin rate after which the next look is a whole block again (default 0.05).
-    pub spin_change: f64,
 }
 
 impl Default for BriefQuestion {
     fn default() -> Self {
-        Self { glance_rotations: 0.1, block_rotations: 1.0, rest_fraction: 0.5, spin_change: 0.05 }
+        Self { rotations_per_load: 500.0, glance_rotations: 0.1, block_rotations: 1.0, rest_fraction: 0.5 }
     }
 }
 

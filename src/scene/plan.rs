@@ -85,8 +85,8 @@ impl Plan {
             Question::Brief(brief) => on(
                 "question",
                 format!(
-                    "blocks of {} rotations after a movement, then half as long each time down to {}",
-                    brief.block_rotations, brief.glance_rotations
+                    "looks of {} rotations a unit of load, {} to {}; blocks of {} after a movement",
+                    brief.rotations_per_load, brief.glance_rotations, brief.block_rotations, brief.block_rotations
                 ),
                 format!(
                     "blocks follow if a sphere shifts by {} of its radius",

@@ -98,14 +98,12 @@ impl RunReader {
     }
 
     /// Where the aggregate of `count` spheres was last seen at rest.
-    fn rest(&self, count: usize) -> Result<Option<Rest>, StoreError> {
-        let row = self.query("SELECT rest_omega, look_rotations, rest FROM state WHERE rest IS NOT NULL", |row| {
-            <(f64, f64, Vec<u8>)>::try_from(row)
-        })?;
-        row.map(|(omega, look_rotations, blob)| {
+    fn rest(&self, count: usize) -> Result<Option<[Vec<f64>; 3]>, StoreError> {
+        let row = self.query("SELECT rest FROM state WHERE rest IS NOT NULL", |row| row.get::<_, Vec<u8>>(0))?;
+        row.map(|blob| {
             let values = blob_to_f64(&blob).filter(|values| values.len() == 3 * count)?;
             let column = |k: usize| values[k * count..][..count].to_vec();
-            Some(Rest { omega, look_rotations, positions: [0, 1, 2].map(column) })
+            Some([0, 1, 2].map(column))
         })
         .map(|decoded| decoded.ok_or_else(|| self.damaged("state.rest")))
         .transpose()

@@ -95,23 +95,13 @@ pub struct State {
     pub spheres: Spheres,
     /// Row of each sphere in table `sphere`, ascending.
     pub sphere_ids: Vec<u32>,
-    /// Where the aggregate was last seen at rest; `None` before object 0, and where no question needs it.
-    pub rest: Option<Rest>,
+    /// Where the aggregate was last seen at rest: x, y and z of all spheres, m, axes of no meaning; `None` before object 0,
+    /// and where no question needs it.
+    pub rest: Option<[Vec<f64>; 3]>,
     /// Normal stiffness of soft contacts, N/m, found at the start of the run; `None` for hard spheres.
     pub normal_stiffness_n_m: Option<f64>,
     /// What soft contacts remember.
     pub contacts: ContactHistory,
-}
-
-/// A moment at which an aggregate was at rest in its rotating frame.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Rest {
-    /// Spin rate, rad/s.
-    pub omega: f64,
-    /// How long the next look at the aggregate is to be, rotations.
-    pub look_rotations: f64,
-    /// The centres then, m, x, y and z of all spheres; axes of no meaning.
-    pub positions: [Vec<f64>; 3],
 }
 
 /// Work and conservation counters of a stretch of dynamics.

@@ -21,9 +21,7 @@ CREATE TABLE state (
     obliquity     REAL NOT NULL,     -- rad
     spheres       BLOB NOT NULL,     -- f64, 11 columns of N: x y z vx vy vz wx wy wz mass radius, inertial frame
     sphere_ids    BLOB NOT NULL,     -- u32, N: row of each sphere in table sphere
-    rest_omega    REAL,              -- spin rate when the aggregate was last seen at rest, rad/s
-    look_rotations REAL,             -- how long the next look at it is to be
-    rest          BLOB,              -- f64, 3 x N: x, y, z of the spheres then
+    rest          BLOB,              -- f64, 3 x N: x, y, z of the spheres when last seen at rest; null for full questions
     normal_stiffness_n_m REAL,       -- of soft contacts, found at the start of the run; null for hard spheres
     contact_rows  BLOB,              -- u32, C x 2: rows of `spheres` that touch; null for hard spheres, as the next
     contacts      BLOB               -- f64, C x 8: what each contact remembers: sliding spring (3), m; rolling spring (3),

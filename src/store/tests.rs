@@ -28,7 +28,7 @@ fn state(n: usize) -> State {
         sphere_ids: (0..n as u32).collect(),
         normal_stiffness_n_m: None,
         contacts: ContactHistory::default(),
-        rest: Some(Rest { omega: 3e-4, look_rotations: 0.5, positions: [0.0, 1.0, 2.0].map(|v| vec![v; n]) }),
+        rest: Some([0.0, 1.0, 2.0].map(|v| vec![v; n])),
     }
 }
 

@@ -153,7 +153,7 @@ fn write_state(tx: &Transaction, state: &State) -> rusqlite::Result<()> {
     tx.execute(
         "INSERT OR REPLACE INTO state VALUES \
          (1, :stage, :outcome, :blocks, :leg, :configuration, :refinement, :t_s, :omega, :obliquity, :spheres, :ids, \
-         :rest_omega, :look_rotations, :rest, :stiffness, :rows, :contacts)",
+         :rest, :stiffness, :rows, :contacts)",
         named_params! {
             ":stage": state.stage.name(),
             ":outcome": state.outcome.map(Outcome::name),
@@ -169,9 +169,7 @@ fn write_state(tx: &Transaction, state: &State) -> rusqlite::Result<()> {
             ":stiffness": state.normal_stiffness_n_m,
             ":rows": soft.then(|| u32_to_blob(contacts.iter().flat_map(|c| [c.first, c.second]))),
             ":contacts": soft.then(|| f64_to_blob(contacts.iter().flat_map(Contact::memory))),
-            ":rest_omega": state.rest.as_ref().map(|rest| rest.omega),
-            ":look_rotations": state.rest.as_ref().map(|rest| rest.look_rotations),
-            ":rest": state.rest.as_ref().map(|rest| f64_to_blob(rest.positions.iter().flatten().copied())),
+            ":rest": state.rest.as_ref().map(|rest| f64_to_blob(rest.iter().flatten().copied())),
         },
     )?;
     Ok(())
