@@ -26,12 +26,11 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PERTURBATION_M = 1e-9
 STRETCHES = 16
+FEWEST_SPHERES = 100
 WAYS = {  # what differs from the scene: place and value
     "full": ("settling.question", "full"),
     "brief": ("settling.question", {"brief": {}}),
     "glance-0.1": ("settling.question", {"brief": {"rotations_per_load": 0, "glance_rotations": 0.1}}),
-    "glance-1": ("settling.question", {"brief": {"rotations_per_load": 0, "glance_rotations": 1}}),
-    "rattle-0": ("evolution.rattle_radius_fraction", 0),
     "rattle-0.25": ("evolution.rattle_radius_fraction", 0.25),
 }
 
@@ -161,8 +160,8 @@ MEASURES = {  # what is compared of a run: its movements' sizes, its hand-offs, 
     "spheres moved, a hand-off": lambda sizes, hand_offs, found: sum(sizes) / hand_offs,
     "log10 of the spheres in a movement": lambda sizes, hand_offs, found: statistics.mean(map(math.log10, sizes)),
     "share of single spheres": lambda sizes, hand_offs, found: sizes.count(1) / len(sizes),
-    "inner half": lambda sizes, hand_offs, found: found["movements"]["inner_half"],
-    "outer tenth": lambda sizes, hand_offs, found: found["movements"]["outer_tenth"],
+    "inner half": lambda sizes, hand_offs, found: depth(found, "inner_half"),
+    "outer tenth": lambda sizes, hand_offs, found: depth(found, "outer_tenth"),
 }
 
 
@@ -179,6 +178,11 @@ def compare(options):
     for label in MEASURES:
         cells = {key: [m[label] for m in rows if m[label] is not None] for key, rows in measured.items()}
         print(f"| {label} | {' | '.join(compared(cells, names, way) for way in options.ways)} |")
+
+
+def depth(found, share):
+    """A share of the moved spheres, of runs in which enough of them moved to have one."""
+    return found["movements"][share] if found["movements"]["spheres_moved"] >= FEWEST_SPHERES else None
 
 
 def measures(directory, found):

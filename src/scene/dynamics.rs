@@ -166,7 +166,7 @@ impl Default for Question {
 #[serde(default, deny_unknown_fields)]
 pub struct BriefQuestion {
     /// Rotations that a look lasts for each unit of load, which is the change of the spin rate squared over its value at
-    /// the limit of a sphere, 4 pi G rho / 3 (default 500: at half that rate, 1 for a change of 0.8 %).
+    /// the limit of a sphere, 4 pi G rho / 3 (default 500: 1 at half that rate for a change of 0.4 %).
     pub rotations_per_load: f64,
     /// Rotations of the shortest look (default 0.1).
     pub glance_rotations: f64,
