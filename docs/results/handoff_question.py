@@ -111,9 +111,10 @@ def table(options):
 
 
 def runs(options, name, way):
-    """The runs of a body in one way and what they show, by copy."""
+    """The runs of a body in one way that have begun to evolve, and what they show, by copy."""
     directories = [options.out / f"{name}-{way}-{copy}" for copy in range(options.copies)]
-    return [(d, yorp(options, "classify", d)) for d in directories if (d / "run.sqlite").exists()]
+    found = [(d, yorp(options, "classify", d)) for d in directories if (d / "run.sqlite").exists()]
+    return [(d, f) for d, f in found if f["t_myr"] > 0]
 
 
 def legs(directory):
@@ -233,7 +234,7 @@ def main():
     parser.add_argument("verb", choices=["run", "table", "compare", "creep"])
     parser.add_argument("names", nargs="*", help="scenes: NAME, or NAME=MYR; to creep also runs: NAME-WAY-COPY")
     parser.add_argument("--ways", nargs="*", choices=WAYS, default=list(WAYS), help="ways to run them")
-    parser.add_argument("--copies", type=int, default=2, help="the body and so many less one that are perturbed")
+    parser.add_argument("--copies", type=int, default=3, help="runs of each kind: the body, and others perturbed")
     parser.add_argument("--out", type=pathlib.Path, default=ROOT / "out" / "handoff_question")
     parser.add_argument("--scenes", type=pathlib.Path, default=ROOT / "scenarios" / "cotto_figueroa_2015")
     parser.add_argument("--yorp", type=pathlib.Path, default=ROOT / "target" / "release" / "yorp")
