@@ -79,7 +79,7 @@ def run(options):
     """All variants of all bodies, as many at a time as there are jobs."""
     goals = dict(map(goal, options.names))
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
-        list(pool.map(lambda name: body(options, name, 1), goals))
+        list(pool.map(lambda name: [body(options, name, copy) for copy in range(options.copies)], goals))
         tasks = [(name, way, copy) for copy in range(options.copies) for name in goals for way in options.ways]
         list(pool.map(lambda task: advance(options, goals[task[0]], *task), tasks))
 
