@@ -1,4 +1,4 @@
-"""Cheap hand-offs beside dear ones, what the surface follows, and what moves without sunlight.
+"""Cheap hand-offs beside dear ones, and what moves without sunlight.
 
     python3 docs/results/handoff_question.py run 04=0.2 07=0.15 --ways full brief   # builds the bodies, then runs of so many Myr
     python3 docs/results/handoff_question.py table                 # run by run
@@ -27,11 +27,11 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 PERTURBATION_M = 1e-9
 STRETCHES = 16
 FEWEST_SPHERES = 100
-WAYS = {  # what differs from the scene: place and value
-    "full": ("settling.question", "full"),
-    "brief": ("settling.question", {"brief": {}}),
-    "glance-0.1": ("settling.question", {"brief": {"rotations_per_load": 0, "glance_rotations": 0.1}}),
-    "rattle-0.25": ("evolution.rattle_radius_fraction", 0.25),
+WAYS = {  # the scene's settling.question
+    "full": "full",
+    "brief": {"brief": {}},
+    "load-300": {"brief": {"rotations_per_load": 300}},
+    "glance-0.1": {"brief": {"rotations_per_load": 0, "glance_rotations": 0.1}},
 }
 
 
@@ -64,12 +64,7 @@ def scene(options, name, way, copy):
     """The scene with that body and in that way."""
     text = json.loads((options.scenes / f"{name}.json").read_text())
     text["body"] = {"file": {"path": body(options, name, copy).name}}
-    place, value = WAYS[way]
-    *folders, key = place.split(".")
-    part = text
-    for folder in folders:
-        part = part.setdefault(folder, {})
-    part[key] = value
+    text["settling"] = text.get("settling", {}) | {"question": WAYS[way]}
     path = options.out / f"{name}-{way}-{copy}.json"
     path.write_text(json.dumps(text, indent=2))
     return path
@@ -105,7 +100,7 @@ def table(options):
     print("|" + " --- |" * 13)
     for path in sorted(options.out.glob("*-0.csv")):
         name = path.stem[:-2]
-        for way in WAYS:
+        for way in options.ways:
             for copy, (_, found) in enumerate(runs(options, name, way)):
                 print(row(name, way.replace("-", " of ", 1) + (f", perturbed {copy}" if copy else ""), found))
 
@@ -173,7 +168,7 @@ def compare(options):
     its leg is repeated counts, too: it is what the question found.
     """
     names = [path.stem[:-2] for path in sorted(options.out.glob("*-0.csv"))]
-    measured = {(name, way): [measures(*run) for run in runs(options, name, way)] for name in names for way in options.ways}
+    measured = {(name, way): [measures(*run) for run in runs(options, name, way)] for name in names for way in {"full", *options.ways}}
     print(f"| | {' | '.join(options.ways)} |")
     print("|" + " --- |" * (len(options.ways) + 1))
     for label in MEASURES:
@@ -201,7 +196,7 @@ def compared(cells, names, way):
     scatter = [x - statistics.mean(xs) for xs in cells.values() if len(xs) > 1 for x in xs]
     freedom = sum(len(xs) - 1 for xs in cells.values() if len(xs) > 1)
     names = [name for name in names if cells[name, way] and cells[name, "full"]]
-    if not names or not freedom:
+    if not names or not any(scatter):
         return "-"
     mean = statistics.mean(statistics.mean(cells[name, way]) for name in names)
     if way == "full":

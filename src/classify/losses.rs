@@ -6,9 +6,8 @@
 use super::distribution::Distribution;
 use super::sequences::JacobiSequence;
 use super::shape::Proportions;
-use crate::evolve::check::sphere_limit;
 use crate::evolve::driver::MYR_S;
-use crate::evolve::rigid::REV_PER_DAY;
+use crate::evolve::rigid::{REV_PER_DAY, sphere_limit};
 use crate::report::RunData;
 
 /// Spin rate, rad/s, at which loose material floats off the ends of a prolate body with that ratio of the axes in its

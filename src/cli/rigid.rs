@@ -1,10 +1,9 @@
 //! `yorp rigid`: the YORP cycle of a body, were it rigid.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
-use pkd::constants::G;
 use serde_json::json;
 use taco::{Interpolation, SpinRates, TorqueInterpolant};
 
@@ -14,7 +13,7 @@ use super::{CliError, arguments as value, output};
 use crate::evolve::build::build;
 use crate::evolve::configuration::{Original, object_0};
 use crate::evolve::driver::MYR_S;
-use crate::evolve::rigid::{REV_PER_DAY, RigidCycle, RigidEnd, TOLERANCE, rigid_cycle};
+use crate::evolve::rigid::{REV_PER_DAY, RigidCycle, RigidEnd, TOLERANCE, rigid_cycle, sphere_limit};
 use crate::evolve::settling::begin;
 use crate::evolve::spin::{Integrator, SpinState, YEAR_S};
 use crate::exchange::{check_table_name, write_table};
@@ -130,7 +129,7 @@ struct SpinLimits {
 
 impl SpinLimits {
     fn of(rigid: &Rigid, cycle: &RigidCycle) -> Self {
-        let gravity = (4.0 / 3.0 * PI * G * rigid.density_kg_m3).sqrt();
+        let gravity = sphere_limit(rigid.density_kg_m3);
         let table = rigid.spin_rates.last().copied().filter(|_| rigid.spin_rates.len() > 1);
         Self { gravity, gravity_s: cycle.first_above(gravity), table }
     }

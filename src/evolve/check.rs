@@ -9,7 +9,6 @@
 
 use nalgebra::Vector3;
 use pkd::Spheres;
-use pkd::constants::G;
 use pkd::frame::add_spin;
 use pkd::mass_properties::mass_properties;
 
@@ -19,6 +18,7 @@ use super::engine::Engine;
 use super::fate::shed;
 use super::movement::{Movement, MovementRule, detect_movement};
 use super::observer::{Observer, Progress};
+use super::rigid::sphere_limit;
 use super::shedding::{Breakup, on_one_body};
 use crate::scene::{BriefQuestion, Question, Scene};
 use crate::store::{ConfigurationRecord, DynamicsRecord, Shedding, State};
@@ -136,11 +136,6 @@ fn look_rotations(brief: &BriefQuestion, [before, after]: [f64; 2], configuratio
     let limit = sphere_limit(configuration.densities_kg_m3[2]);
     let load = (after * after - before * before).abs() / (limit * limit);
     (brief.rotations_per_load * load).clamp(brief.glance_rotations, brief.block_rotations)
-}
-
-/// Spin rate, rad/s, at which loose material floats off the equator of a sphere of density `density_kg_m3`.
-pub fn sphere_limit(density_kg_m3: f64) -> f64 {
-    (4.0 / 3.0 * std::f64::consts::PI * G * density_kg_m3).sqrt()
 }
 
 /// Whether no sphere has left its place of rest by more than it may.

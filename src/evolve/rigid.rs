@@ -5,6 +5,8 @@
 
 use std::f64::consts::{PI, TAU};
 
+use pkd::constants::G;
+
 use super::spin::{
     Course, Integrator, LegLimits, SpinError, SpinState, StopReason, TorqueFunction, TorqueScale, follow_leg,
     standstill,
@@ -22,6 +24,11 @@ const TIME_POINTS: f64 = 400.0;
 const SPIN_POINTS: f64 = 0.02;
 /// Relative change of the spin rate after which a new leg begins, because what counts as no torque may depend on it.
 const LEG_SPIN_CHANGE: f64 = 0.5;
+
+/// Spin rate, rad/s, at which loose material floats off the equator of a sphere of density `density_kg_m3`.
+pub fn sphere_limit(density_kg_m3: f64) -> f64 {
+    (4.0 / 3.0 * PI * G * density_kg_m3).sqrt()
+}
 
 /// How the cycle of a rigid body ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
