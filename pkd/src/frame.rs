@@ -2,7 +2,7 @@
 //!
 //! SI units. Relative positions and velocities of the spheres stay what they were, to round-off.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use crate::mass_properties::mass_properties;
 use crate::{PkdError, Spheres};
@@ -60,6 +60,50 @@ pub fn set_rigid_rotation(spheres: &mut Spheres, omega: Vector3<f64>) -> Result<
         spheres.set(i, r.into(), omega.cross(&(r - p.centre)).into(), omega.into());
     }
     Ok(())
+}
+
+/// Adds the angular momentum `change` (kg m²/s) about the centre of mass as a rigid rotation I⁻¹ `change`.
+///
+/// # Errors
+/// Whatever [`Spheres::validate`] finds; nothing is changed then.
+pub fn add_angular_momentum(spheres: &mut Spheres, change: Vector3<f64>) -> Result<(), PkdError> {
+    let d_omega = mass_properties(spheres)?.rigid_rotation_of(change);
+    add_spin(spheres, d_omega)
+}
+
+/// What [`align_with_angular_momentum`] did.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Alignment {
+    /// The rotation that took the old positions about the centre of mass to the new ones.
+    pub rotation: Matrix3<f64>,
+    /// Angle between the axis of largest moment and the angular momentum before, rad, 0 to pi/2.
+    pub angle: f64,
+}
+
+/// Makes `spheres` a rigid body that turns about its axis of largest moment with the angular momentum that it has: what
+/// dissipation within the body comes to in the long run.
+///
+/// The angular momentum stays as it is and the body is turned, by the smallest angle, so that its axis lies along it.
+/// Where the two largest moments are equal to round-off any axis between them serves and the nearest one is taken. A body
+/// without angular momentum is left as it is.
+///
+/// # Errors
+/// Whatever [`Spheres::validate`] finds; nothing is changed then.
+pub fn align_with_angular_momentum(spheres: &mut Spheres) -> Result<Alignment, PkdError> {
+    let p = mass_properties(spheres)?;
+    let momentum = p.angular_momentum;
+    let Some(along) = momentum.try_normalize(0.0) else {
+        return Ok(Alignment { rotation: Matrix3::identity(), angle: 0.0 });
+    };
+    let axis = p.axis_of_largest_moment_nearest_to(along);
+    let rotation = Rotation3::rotation_between(&axis, &along).unwrap_or_else(Rotation3::identity).into_inner();
+    for i in 0..spheres.len() {
+        let r = rotation * (Vector3::from(spheres.position(i)) - p.centre);
+        spheres.set(i, r.into(), [0.0; 3], [0.0; 3]);
+    }
+    // The spin that gives back exactly this angular momentum: |L|/C about the axis, to the round-off of the axis.
+    add_angular_momentum(spheres, momentum)?;
+    Ok(Alignment { rotation, angle: axis.cross(&along).norm().atan2(axis.dot(&along)) })
 }
 
 /// Adds a rigid rotation `d_omega` (rad/s) about the centre of mass to all velocities and spins.
@@ -121,5 +165,46 @@ mod tests {
         recentre(&mut body).unwrap();
         let q = mass_properties(&body).unwrap();
         assert!(q.centre.norm() < 1e-13 && q.velocity.norm() < 1e-17);
+    }
+
+    #[test]
+    fn alignment_keeps_the_angular_momentum_and_leaves_rotation_about_the_axis_of_largest_moment() {
+        let mut body = lumpy_body();
+        let before = mass_properties(&body).unwrap();
+        let done = align_with_angular_momentum(&mut body).unwrap();
+        let after = mass_properties(&body).unwrap();
+        assert!(done.angle > 0.1 && (done.angle.sin() - before.across_axis()).abs() < 1e-12);
+        let momentum = before.angular_momentum;
+        assert!((after.angular_momentum - momentum).norm() < 1e-13 * momentum.norm());
+        assert!((after.moments - before.moments).norm() < 1e-13 * before.moments.norm());
+        assert!(after.across_axis() < 1e-12 && after.velocity.norm() < 1e-16);
+        assert!(align_with_angular_momentum(&mut body).unwrap().angle < 1e-12);
+    }
+
+    /// Two spheres have B = C: their line is turned across the angular momentum and no farther.
+    #[test]
+    fn a_pair_that_turns_about_any_axis_across_its_line_is_aligned_already() {
+        for axis in [Vector3::y(), Vector3::z(), Vector3::new(0.0, 0.6, -0.8)] {
+            let mut pair = Spheres::default();
+            pair.push([-100.0, 0.0, 0.0], [0.0; 3], [0.0; 3], 8e9, 100.0);
+            pair.push([100.0, 0.0, 0.0], [0.0; 3], [0.0; 3], 8e9, 100.0);
+            set_rigid_rotation(&mut pair, axis * 2e-4).unwrap();
+            let done = align_with_angular_momentum(&mut pair).unwrap();
+            assert!(done.angle < 1e-15 && pair.position(1) == [100.0, 0.0, 0.0], "{done:?}");
+        }
+    }
+
+    #[test]
+    fn added_angular_momentum_is_what_was_asked_for_and_a_body_at_rest_stays_as_it_lies() {
+        let mut body = lumpy_body();
+        let before = mass_properties(&body).unwrap().angular_momentum;
+        let change = Vector3::new(0.1, -0.2, 0.4) * before.norm();
+        add_angular_momentum(&mut body, change).unwrap();
+        let after = mass_properties(&body).unwrap().angular_momentum;
+        assert!((after - before - change).norm() < 1e-13 * before.norm());
+        set_rigid_rotation(&mut body, Vector3::zeros()).unwrap();
+        let still = body.clone();
+        assert_eq!(align_with_angular_momentum(&mut body).unwrap().angle, 0.0);
+        assert_eq!(body, still);
     }
 }

@@ -11,6 +11,9 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::{PkdError, Spheres};
 
+/// Moments that differ by less than this share are equal to round-off, which grows with the number of spheres.
+const EQUAL_MOMENTS: f64 = 1e-10;
+
 /// What an aggregate weighs, how it moves and how large it is.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MassProperties {
@@ -147,8 +150,33 @@ impl MassProperties {
 
     /// Angular velocity of the rigid body with this angular momentum, I⁻¹ L, rad/s.
     pub fn angular_velocity(&self) -> Vector3<f64> {
-        let in_body = self.axes.tr_mul(&self.angular_momentum).component_div(&self.moments);
-        self.axes * in_body
+        self.rigid_rotation_of(self.angular_momentum)
+    }
+
+    /// The rigid rotation that carries `angular_momentum` (kg m²/s), I⁻¹ L, rad/s.
+    pub fn rigid_rotation_of(&self, angular_momentum: Vector3<f64>) -> Vector3<f64> {
+        self.axes * self.axes.tr_mul(&angular_momentum).component_div(&self.moments)
+    }
+
+    /// Share of the angular momentum that lies across the axis of largest moment, the sine of the angle between them; zero
+    /// for a body at rest.
+    pub fn across_axis(&self) -> f64 {
+        let momentum = self.angular_momentum;
+        let Some(along) = momentum.try_normalize(0.0) else { return 0.0 };
+        self.axis_of_largest_moment_nearest_to(along).cross(&along).norm()
+    }
+
+    /// The axis of largest moment on the side of `direction` (a unit vector). Where the two largest moments are equal to
+    /// round-off, as those of two spheres are, the one of their plane that is nearest to it: the eigenvectors alone are
+    /// arbitrary there.
+    pub fn axis_of_largest_moment_nearest_to(&self, direction: Vector3<f64>) -> Vector3<f64> {
+        let [_, b, c] = [self.moments.x, self.moments.y, self.moments.z];
+        let z = self.axes.column(2).into_owned();
+        if c - b > EQUAL_MOMENTS * c {
+            return if z.dot(&direction) < 0.0 { -z } else { z };
+        }
+        let y = self.axes.column(1).into_owned();
+        (y * y.dot(&direction) + z * z.dot(&direction)).try_normalize(0.0).unwrap_or(z)
     }
 }
 

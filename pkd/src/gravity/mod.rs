@@ -3,6 +3,7 @@
 //! Outside each other, spheres attract like points (Newton's theorem), so nothing is softened. SI units. Centres must be
 //! distinct; coincident centres give non-finite values, which callers check for.
 
+mod balance;
 mod choice;
 mod direct;
 mod dispatch;
@@ -17,6 +18,7 @@ mod tree;
 mod tree_gravity;
 mod walk;
 
+pub(crate) use balance::{angular_acceleration, balance};
 pub use choice::{Gravity, GravityMethod, GravityOptions};
 pub use direct::DirectGravity;
 pub use tree_gravity::TreeGravity;

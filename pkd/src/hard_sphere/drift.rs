@@ -240,8 +240,15 @@ impl Drift {
         let r = two.origin() - one.origin();
         let radial2 = r.dot(&v).powi(2);
         let limit2 = parameters.collapse_limit * parameters.collapse_limit * r.norm_squared();
+        // A sphere that has not collided in this step counts from its start, so that contacts at rest lose nothing right after
+        // a kick. Nothing faster than the pair's escape speed rests: without that clause an impact at the very start of a
+        // step loses nothing either.
+        let escape2 = 2.0 * G * (one.mass() + two.mass());
+        let touch = one.radius() + two.radius();
+        let slow = v.norm_squared() * touch <= escape2;
         let collapsed = |mark: &Mark, ball: &Ball| {
-            radial2 * (now - mark.collided_at).powi(2) < limit2 * (ball.radius() * ball.radius())
+            (slow || mark.collisions > 0)
+                && radial2 * (now - mark.collided_at).powi(2) < limit2 * (ball.radius() * ball.radius())
         };
         if collapsed(mark_one, one) | collapsed(mark_two, two) {
             counts.collapse += 1;
@@ -251,8 +258,7 @@ impl Drift {
             SlideVelocity::Surface if SPIN => surface_velocity([one, two], spins, normal).norm_squared(),
             _ => v.norm_squared(),
         };
-        let escape2 = 2.0 * G * (one.mass() + two.mass());
-        if speed2 * (one.radius() + two.radius()) < parameters.slide_limit * parameters.slide_limit * escape2 {
+        if speed2 * touch < parameters.slide_limit * parameters.slide_limit * escape2 {
             counts.slide += 1;
             return None;
         }

@@ -64,13 +64,3 @@ impl BodyFrame {
 pub(super) fn columns(m: &Matrix3<f64>) -> [[f64; 3]; 3] {
     [0, 1, 2].map(|k| m.column(k).into_owned().into())
 }
-
-/// The angular acceleration that a torque gives to a body with these sums of m xx, yy, zz, xy, xz, yz (see
-/// [`Moved`](super::motion::Moved)).
-pub(super) fn angular_acceleration(torque: [f64; 3], [xx, yy, zz, xy, xz, yz]: [f64; 6]) -> [f64; 3] {
-    let trace = xx + yy + zz;
-    // Spheres in a line have no inertia about it, and their gravity no torque: a trace of inertia decides 0 / 0.
-    let inertia = Matrix3::new(yy + zz, -xy, -xz, -xy, xx + zz, -yz, -xz, -yz, xx + yy)
-        + Matrix3::identity() * (trace * f64::EPSILON);
-    inertia.try_inverse().map_or([0.0; 3], |inverse| (inverse * Vector3::from(torque)).into())
-}

@@ -6,7 +6,7 @@
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 
-use super::body_frame::{BodyFrame, angular_acceleration, columns};
+use super::body_frame::{BodyFrame, columns};
 use super::coefficients::Coefficients;
 use super::dispatch::{Kernels, Processor};
 use super::history::{Contact, ContactHistory};
@@ -19,12 +19,16 @@ use super::parameters::{Gravity, SoftSphereParameters};
 use super::record::{self, FRICTIONLESS, Lines, PLACE, PREDICTED, VELOCITY};
 use super::report::Energy;
 use super::search::{near_pairs, order_in_space};
-use crate::gravity::Accelerations;
+use crate::gravity::{Accelerations, angular_acceleration, balance};
 use crate::rigid_fit::{FitRank, rigid_fit};
 use crate::{PkdError, Spheres};
 
 /// Fewer spheres than this are not worth handing to several threads.
 const PARALLEL_FROM: usize = 4000;
+
+/// Up to this many spheres the sum over all pairs in every step costs no more than the look-up of a frozen field, which a
+/// pair on an eccentric orbit would have to renew in every step anyway.
+const FREEZE_FROM: usize = 16;
 
 /// Counts of work.
 #[derive(Debug, Clone, Copy, Default)]
@@ -86,12 +90,12 @@ impl<'a> Engine<'a> {
         history: &ContactHistory,
     ) -> Result<Self, PkdError> {
         let model = record::model(&parameters.friction);
+        let n = spheres.len();
         let field = match parameters.gravity {
             Gravity::Off => NONE,
-            Gravity::EveryStep => GIVEN,
-            Gravity::BodyFrame { .. } => FROZEN,
+            Gravity::BodyFrame { .. } if n > FREEZE_FROM => FROZEN,
+            Gravity::EveryStep | Gravity::BodyFrame { .. } => GIVEN,
         };
-        let n = spheres.len();
         let rows = order_in_space(spheres.coordinates());
         let records = records(model, spheres, &rows);
         let masses: Vec<f64> = rows.iter().map(|row| spheres.mass[*row as usize]).collect();
@@ -256,10 +260,7 @@ impl<'a> Engine<'a> {
 
     /// How far a sphere may get from where it was last looked at, over its radius.
     fn watch(&self) -> f64 {
-        match self.parameters.gravity {
-            Gravity::BodyFrame { tolerance } => tolerance.min(self.parameters.skin),
-            _ => self.parameters.skin,
-        }
+        self.field_tolerance().map_or(self.parameters.skin, |tolerance| tolerance.min(self.parameters.skin))
     }
 
     /// Lists the neighbours anew.
@@ -300,11 +301,16 @@ impl<'a> Engine<'a> {
         };
         beyond(&seen, watch).then(|| Outdated {
             lists: beyond(&|i| self.listed[i], self.parameters.skin - watch),
-            field: match self.parameters.gravity {
-                Gravity::BodyFrame { tolerance } => beyond(&|i| self.attracted[i], tolerance - watch),
-                _ => false,
-            },
+            field: self.field_tolerance().is_some_and(|tolerance| beyond(&|i| self.attracted[i], tolerance - watch)),
         })
+    }
+
+    /// How far a sphere may get from where a frozen field was evaluated, over its radius; `None` without one.
+    fn field_tolerance(&self) -> Option<f64> {
+        match self.parameters.gravity {
+            Gravity::BodyFrame { tolerance } if self.field == FROZEN => Some(tolerance),
+            _ => None,
+        }
     }
 
     /// A number that a sphere has in the guides.
@@ -359,7 +365,7 @@ impl<'a> Engine<'a> {
             return Ok(());
         }
         if self.gravity.last_error_estimate() > 0.0 {
-            self.balance();
+            balance([&x, &y, &z], &self.masses, &mut self.accelerations);
         }
         let a = &self.accelerations;
         for (four, guide) in self.guides.chunks_exact_mut(guide_quads(self.field)).enumerate() {
@@ -374,17 +380,6 @@ impl<'a> Engine<'a> {
     /// Evaluates a frozen field once more, at the end: else a body at rest, whose field is never renewed, would show no error.
     pub fn judge_field(&mut self) -> Result<(), PkdError> {
         if self.field == FROZEN { self.attract() } else { Ok(()) }
-    }
-
-    /// Takes the net force out of the field just evaluated: that of a tree does not balance by itself.
-    fn balance(&mut self) {
-        let mass = &self.masses;
-        let total: f64 = mass.iter().sum();
-        let Accelerations { x, y, z, .. } = &mut self.accelerations;
-        for component in [x, y, z] {
-            let mean = component.iter().zip(mass).map(|(a, m)| a * m).sum::<f64>() / total;
-            component.iter_mut().for_each(|a| *a -= mean);
-        }
     }
 
     /// Turns the field just evaluated into the body frame, takes its net force and torque out, and compares it with the one
