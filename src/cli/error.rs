@@ -134,7 +134,10 @@ impl From<EvolveError> for CliError {
             EvolveError::Interrupted => Failure::Interrupted,
             EvolveError::Store(store) if store.is_write_failure() => Failure::Write,
             EvolveError::Store(_) | EvolveError::AggregateFile(_) | EvolveError::MeshFile(_) => Failure::Input,
-            EvolveError::NoRotation | EvolveError::Aggregate(_) | EvolveError::Contact(_) => Failure::Input,
+            EvolveError::Reshaped { .. }
+            | EvolveError::NoRotation
+            | EvolveError::Aggregate(_)
+            | EvolveError::Contact(_) => Failure::Input,
             EvolveError::Shed(_)
             | EvolveError::Dynamics(_)
             | EvolveError::Tiling(_)

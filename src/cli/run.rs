@@ -9,7 +9,7 @@ use super::{CliError, output};
 use crate::evolve::driver::{MYR_S, Summary, run as evolve};
 use crate::report::page::part_error;
 use crate::scene::SceneFile;
-use crate::store::Part;
+use crate::store::{Part, Totals};
 
 /// Arguments of `yorp run`.
 #[derive(Debug, clap::Args)]
@@ -81,9 +81,23 @@ fn as_value(summary: &Summary) -> Value {
         "shed_mass_fraction": totals.shed_mass_fraction,
         "outcome": summary.ending.outcome.name(),
         "normal_stiffness_n_m": summary.normal_stiffness_n_m,
+        "angular_momentum": angular_momentum(totals),
         "seconds": totals.seconds,
         "cpu_seconds": totals.cpu_seconds,
         "parts": parts,
+    })
+}
+
+/// The budget of the whole run from object 0 on, kg m^2/s, and what it and the worst leg are off by.
+fn angular_momentum(totals: &Totals) -> Value {
+    let books = totals.angular_momentum;
+    json!({
+        "start_kg_m2_s": books.start,
+        "torque_kg_m2_s": books.torque,
+        "shed_kg_m2_s": books.shed,
+        "now_kg_m2_s": books.end,
+        "error": books.error(),
+        "largest_leg_error": totals.angular_momentum_error,
     })
 }
 
@@ -110,6 +124,20 @@ fn as_text(summary: &Summary, arguments: &Arguments) -> String {
     );
     if let Some(stiffness) = summary.normal_stiffness_n_m {
         let _ = writeln!(text, "soft contacts with a normal stiffness of {stiffness:.4e} N/m");
+    }
+    let books = totals.angular_momentum;
+    if books.start > 0.0 {
+        let percent = |l: f64| 100.0 * l / books.start;
+        let _ = writeln!(
+            text,
+            "angular momentum: {:.6e} kg m^2/s at the start, {:+.3} % by sunlight, {:+.3} % by shed mass; off by {:.0e} in all, \
+             {:.0e} in a leg at most",
+            books.start,
+            percent(books.torque),
+            percent(books.shed),
+            books.error(),
+            totals.angular_momentum_error,
+        );
     }
     let _ = writeln!(text, "\n{:<10}{:>12}{:>12}{:>8}  error", "part", "seconds", "CPU s", "count");
     for (part, total) in &totals.parts {

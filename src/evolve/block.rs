@@ -10,7 +10,7 @@ use pkd::soft_sphere::ContactHistory;
 
 use super::engine::Engine;
 use super::movement::{Coordinates, Movement, MovementRule, detect_movement};
-use super::shedding::{Departures, departures};
+use super::shedding::{Departures, Parting, departures};
 use super::{EvolveError, Observer};
 use crate::store::{DynamicsRecord, State};
 
@@ -44,6 +44,8 @@ pub struct Block {
     pub max_displacement_radii: f64,
     /// Work counters and conservation.
     pub dynamics: DynamicsRecord,
+    /// Whether a heavy piece was seen off the body.
+    pub parted: bool,
     /// Spheres that left, already removed from the aggregate.
     pub departures: Departures,
 }
@@ -64,18 +66,29 @@ pub fn evolve_block(
     after_rotation: impl FnMut(f64, &mut dyn Observer),
 ) -> Result<Block, EvolveError> {
     let start = aggregate.spheres.clone();
-    let (period_s, dynamics) = evolve_stretch(engine, aggregate, rotations, observer, after_rotation)?;
-    let departures = departures(&start, aggregate)?;
+    let Stretch { period_s, dynamics, parting } =
+        evolve_stretch(engine, aggregate, rotations, observer, after_rotation)?;
+    let departures = departures(&start, aggregate, &parting)?;
     let keep = departures.stays();
     let movement = movement_within(&start.filtered(keep), &aggregate.spheres.filtered(keep), radius_fraction);
     let radius = start.radius.iter().zip(keep).filter(|(_, k)| **k).map(|(r, _)| r);
     let max_displacement_radii = movement.residual_m.iter().zip(radius).fold(0.0_f64, |m, (d, r)| m.max(d / r));
     let moved = movement.count() as u32;
     departures.remove_from(aggregate)?;
-    Ok(Block { period_s, moved, max_displacement_radii, dynamics, departures })
+    Ok(Block { period_s, moved, max_displacement_radii, dynamics, parted: parting.was_off(), departures })
 }
 
-/// Evolves `aggregate` for `rotations` of their present period, at most one rotation at a time: the period (s) and the work.
+/// What a stretch of dynamics did.
+pub(super) struct Stretch {
+    /// Rotation period at its start, s.
+    pub period_s: f64,
+    /// Work counters and conservation.
+    pub dynamics: DynamicsRecord,
+    /// Whether heavy pieces were off the body.
+    pub parting: Parting,
+}
+
+/// Evolves `aggregate` for `rotations` of their present period, half a rotation at a time.
 ///
 /// # Errors
 /// The integration failed, or the observer asked to stop.
@@ -85,12 +98,13 @@ pub(super) fn evolve_stretch(
     rotations: f64,
     observer: &mut dyn Observer,
     mut after_rotation: impl FnMut(f64, &mut dyn Observer),
-) -> Result<(f64, DynamicsRecord), EvolveError> {
+) -> Result<Stretch, EvolveError> {
     let before = mass_properties(&aggregate.spheres)?;
     let period_s = std::f64::consts::TAU / before.spin_rate();
     let mut dynamics = DynamicsRecord::default();
+    let mut parting = Parting::default();
     while dynamics.rotations < rotations {
-        let part = (rotations - dynamics.rotations).min(1.0);
+        let part = (rotations - dynamics.rotations).min(0.5);
         let Aggregate { spheres, contacts, .. } = &mut *aggregate;
         let work = engine.evolve(spheres, contacts, part * period_s, &mut || !observer.interrupted())?;
         let counts = work.collisions();
@@ -103,13 +117,16 @@ pub(super) fn evolve_stretch(
         if observer.interrupted() {
             return Err(EvolveError::Interrupted);
         }
-        after_rotation(dynamics.rotations, observer);
+        parting.sample(&aggregate.spheres);
+        if dynamics.rotations.fract() == 0.0 || dynamics.rotations >= rotations {
+            after_rotation(dynamics.rotations, observer);
+        }
     }
     let after = mass_properties(&aggregate.spheres)?;
     dynamics.momentum_drift = momentum_drift(&aggregate.spheres, &before, &after);
     dynamics.angular_momentum_drift =
         (after.angular_momentum - before.angular_momentum).norm() / before.angular_momentum.norm();
-    Ok((period_s, dynamics))
+    Ok(Stretch { period_s, dynamics, parting })
 }
 
 /// Movement among the same spheres between two moments, by the robust rule.

@@ -5,6 +5,7 @@ use tiling::hull::sphere_hull_volume;
 
 use super::aggregate::{aggregate, refuse_early};
 use super::engine::ContactLaw;
+use super::reshaping::{compare_with_asked, measure};
 use super::settling::{begin, settle_block};
 use super::{EvolveError, Observer};
 use crate::scene::SceneFile;
@@ -30,6 +31,7 @@ pub struct Built {
 pub fn build(scene: &SceneFile, settle: bool, observer: &mut dyn Observer) -> Result<Built, EvolveError> {
     refuse_early(&scene.scene)?;
     let mut state = begin(&scene.scene, aggregate(scene, observer)?)?;
+    let built = measure(&state.spheres)?;
     let mut engine = ContactLaw::of(&scene.scene).engine(state.normal_stiffness_n_m);
     let (mut rotations, mut settled) = (0.0, None);
     while settle && state.stage == Stage::Built {
@@ -37,6 +39,9 @@ pub fn build(scene: &SceneFile, settle: bool, observer: &mut dyn Observer) -> Re
         rotations += block.dynamics.rotations;
         settled = Some(block.moved == 0 && block.shed == 0);
         state = next;
+    }
+    if settle {
+        compare_with_asked(&scene.scene, &built, &state.spheres, observer)?;
     }
     let s = state.spheres;
     let hull_volume_m3 = sphere_hull_volume(&s.x, &s.y, &s.z, &s.radius)?;

@@ -7,12 +7,11 @@
 //! has left the place where it last lay at rest by more than rattling; shifts too slow for one look add up over those that
 //! follow. Otherwise blocks of rotations follow until one is quiet, and where the spheres then lie is the new place of rest.
 
-use nalgebra::Vector3;
 use pkd::Spheres;
-use pkd::frame::add_spin;
 use pkd::mass_properties::mass_properties;
 
 use super::EvolveError;
+use super::alignment::{TILT_LIMIT, align, give_along_spin};
 use super::block::{Aggregate, coordinates, evolve_block, evolve_stretch};
 use super::engine::Engine;
 use super::fate::shed;
@@ -21,7 +20,7 @@ use super::observer::{Observer, Progress};
 use super::rigid::sphere_limit;
 use super::shedding::{Breakup, on_one_body};
 use crate::scene::{BriefQuestion, Question, Scene};
-use crate::store::{ConfigurationRecord, DynamicsRecord, Shedding, State};
+use crate::store::{AngularMomentumRecord, ConfigurationRecord, DynamicsRecord, Shedding, State};
 
 /// How the aggregate answered.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,26 +33,37 @@ pub struct Check {
     pub dynamics: DynamicsRecord,
     /// Whether the last block was without movement, or the movement need not end because the leg is repeated.
     pub settled: bool,
+    /// Whether the leg is to be repeated with a fifth of its increment.
+    pub discarded: bool,
     /// Where the aggregate was last seen at rest, for the next question.
     pub rest: Option<[Vec<f64>; 3]>,
     /// What left.
     pub shedding: Shedding,
     /// Set if what left is so heavy that the run ends.
     pub breakup: Option<Breakup>,
+    /// Sine of the angle between the angular momentum and the axis of largest moment, before the body was aligned.
+    pub non_axial: f64,
+    /// Angular momentum at the start, what sunlight gave and what shed mass changed; its end is not entered yet.
+    pub angular_momentum: AngularMomentumRecord,
 }
 
 /// How often the spin increment may be cut to a fifth before a movement of most spheres is accepted.
 const MAX_REFINEMENT: u32 = 2;
 
-/// Whether so much has moved that the leg is to be repeated with a smaller increment.
-pub(super) fn repeats(scene: &Scene, state: &State, moved: usize) -> bool {
-    moved as f64 > scene.evolution.moved_fraction_limit * state.spheres.len() as f64
-        && state.refinement < MAX_REFINEMENT
+/// Whether so much has moved that the leg is to be repeated with a smaller increment. A body that breaks has moved as a whole:
+/// the spin at which it does so is worth the finer increment.
+fn repeats(scene: &Scene, state: &State, moved: usize, breaks: bool) -> bool {
+    let most = moved as f64 > scene.evolution.moved_fraction_limit * state.spheres.len() as f64;
+    (most || breaks) && state.refinement < MAX_REFINEMENT
 }
 
-/// Gives the aggregate of `state`, at evolution time `t_s`, the spin rate `omega` (rad/s, about its axis of largest moment) and evolves it until
-/// nothing differs from `configuration` or, if something does, until a block of rotations shows no further movement. A
-/// movement so large that the leg is repeated is not followed to its end.
+/// Gives the aggregate of `state`, at evolution time `t_s`, what sunlight gave `configuration` until its spin rate was `omega`
+/// (rad/s), and evolves it until nothing differs from `configuration` or, if something does, until a block of rotations
+/// shows no further movement. A movement so large that the leg is repeated is not followed to its end.
+///
+/// Angular momentum is handed over, C of the configuration times the change of its spin rate, not the spin rate itself:
+/// while spheres creep below the movement limit C drifts by 1e-4 to 1e-3 a leg, and a body that is given C(now) omega gets
+/// what its swelling would have cost on top of the torque.
 ///
 /// # Errors
 /// The integration failed, or the observer asked to stop.
@@ -67,10 +77,12 @@ pub fn check_spin(
     progress: Progress,
 ) -> Result<Check, EvolveError> {
     let mut body = Aggregate::of(state);
-    let properties = mass_properties(&body.spheres)?;
-    let axis = Vector3::from(properties.axes.column(2));
-    let present = properties.angular_momentum.dot(&axis) / properties.moments.z;
-    add_spin(&mut body.spheres, axis * (omega - present))?;
+    let mut angular_momentum = AngularMomentumRecord {
+        start: mass_properties(&body.spheres)?.angular_momentum.norm(),
+        torque: configuration.moments_kg_m2[2] * (omega - state.omega),
+        ..AngularMomentumRecord::default()
+    };
+    give_along_spin(&mut body.spheres, angular_momentum.torque)?;
 
     let settling = &scene.settling;
     let full = f64::from(settling.rotations);
@@ -80,46 +92,83 @@ pub fn check_spin(
     };
     let mut after_rotation = |_, observer: &mut dyn Observer| observer.progress(progress);
     let mut dynamics = DynamicsRecord::default();
+    let mut parted = false;
     if let (Question::Brief(brief), Some(rest)) = (settling.question, &state.rest) {
         let look = look_rotations(&brief, [state.omega, omega], configuration);
-        (_, dynamics) = evolve_stretch(engine, &mut body, look, observer, &mut after_rotation)?;
-        if on_one_body(&body.spheres)
+        let stretch = evolve_stretch(engine, &mut body, look, observer, &mut after_rotation)?;
+        (dynamics, parted) = (stretch.dynamics, stretch.parting.was_off());
+        if !parted
+            && on_one_body(&body.spheres)
             && rests(rest, &body.spheres, fraction)
             && compare(scene, configuration, &body).count() == 0
         {
-            let (rest, shedding) = (Some(rest.clone()), Shedding::default());
-            return Ok(Check { body, movement: None, dynamics, settled: true, rest, shedding, breakup: None });
+            let non_axial = mass_properties(&body.spheres)?.across_axis();
+            let rest = Some(rest.clone());
+            return Ok(Check {
+                body,
+                movement: None,
+                dynamics,
+                settled: true,
+                discarded: false,
+                rest,
+                shedding: Shedding::default(),
+                breakup: None,
+                non_axial,
+                angular_momentum,
+            });
         }
     }
     let mut shedding = Shedding::default();
-    let mut left = false;
+    let (mut departed, mut non_axial) = (0, 0.0_f64);
     loop {
         // What is off the body is given the time that the full question gives it to land.
-        let rotations = if on_one_body(&body.spheres) { block_rotations } else { full };
+        let rotations = if !parted && on_one_body(&body.spheres) { block_rotations } else { full };
         let rotations = rotations.min(f64::from(settling.max_rotations) - dynamics.rotations);
         let block = evolve_block(engine, &mut body, rotations, fraction, observer, &mut after_rotation)?;
         dynamics.add(&block.dynamics);
+        parted = block.parted;
         let leaves = !block.departures.spheres.is_empty();
+        departed += block.departures.spheres.len();
         let quiet = block.moved == 0 && !leaves && (rotations >= full || on_one_body(&body.spheres));
         let breakup = block.departures.breakup;
         if leaves {
-            left = true;
+            let whole = mass_properties(&body.spheres)?.angular_momentum + block.departures.angular_momentum;
             let more = shed(scene, &mut body, &block.departures, [t_s, omega, state.obliquity])?;
+            angular_momentum.shed += (whole + more.angular_momentum_change).norm() - whole.norm();
             shedding.losses.extend(more.losses);
             shedding.fates.extend(more.fates);
             shedding.fission = more.fission;
         }
         let movement = compare(scene, configuration, &body);
-        let moved = movement.count() > 0 || left;
+        let moved = movement.count() > 0 || departed > 0;
         let unmoved = !moved && settling.question == Question::Full;
-        let discarded = repeats(scene, state, movement.count());
-        let over = breakup.is_some() || discarded || dynamics.rotations >= f64::from(settling.max_rotations);
-        if unmoved || quiet || over {
-            let movement = moved.then_some(movement);
-            let rest = rest_of(scene, &body.spheres);
-            let settled = quiet || unmoved || discarded;
-            return Ok(Check { body, movement, dynamics, settled, rest, shedding, breakup });
+        let discarded = repeats(scene, state, movement.count() + departed, breakup.is_some());
+        let too_long = dynamics.rotations >= f64::from(settling.max_rotations);
+        if !(unmoved || quiet || breakup.is_some() || discarded || too_long) {
+            continue;
         }
+        let tilt = mass_properties(&body.spheres)?.across_axis();
+        non_axial = non_axial.max(tilt);
+        let comes_to_rest = moved && !discarded && breakup.is_none() && on_one_body(&body.spheres);
+        // What is left of a movement's wobble dissipates; a body that was turned much is seen at rest about its new axis first.
+        if comes_to_rest && align(scene, &mut body)? && tilt > TILT_LIMIT && !too_long {
+            continue;
+        }
+        let movement = moved.then(|| compare(scene, configuration, &body));
+        let rest = rest_of(scene, &body.spheres);
+        let settled = quiet || unmoved || discarded;
+        return Ok(Check {
+            body,
+            movement,
+            dynamics,
+            settled,
+            discarded,
+            rest,
+            shedding,
+            breakup,
+            non_axial,
+            angular_momentum,
+        });
     }
 }
 
@@ -175,6 +224,7 @@ pub fn compare(scene: &Scene, configuration: &ConfigurationRecord, body: &Aggreg
 mod tests {
     use std::path::Path;
 
+    use nalgebra::Vector3;
     use pkd::frame::{set_rigid_rotation, to_principal_axes};
     use pkd::packing::{Grain, carve, hcp_lattice};
 

@@ -10,15 +10,17 @@ use pkd::mass_properties::mass_properties;
 
 use super::EvolveError;
 use super::aggregate::{aggregate, refuse_early};
-use super::check::{Check, check_spin, repeats, rest_of};
+use super::alignment::{TILT_LIMIT, close_books, give_along_spin};
+use super::check::{Check, check_spin, rest_of};
 use super::configuration::{Original, Shape, next_object, object_0};
 use super::engine::{ContactLaw, Engine};
 use super::observer::{Observer, Progress};
+use super::reshaping::{compare_with_asked, measure};
 use super::rigid::rigid_cycle;
 use super::settling::{begin, settle_block};
 use super::shedding::Breakup;
 use super::spin::{Integrator, Leg, LegLimits, SpinState, StopReason, YEAR_S, integrate_leg};
-use crate::scene::{Body, Scene, SceneFile};
+use crate::scene::{Body, ResidualRotation, Scene, SceneFile};
 use crate::store::*;
 
 /// Seconds in a million years of 365.25 days.
@@ -27,9 +29,6 @@ pub const MYR_S: f64 = 1e6 * YEAR_S;
 /// How far the rigid reference curve is followed, Myr: twice the 15 Myr of most runs (Table 2: bodies that would spin up
 /// for ever were followed for 30 Myr). It does not depend on the scene's duration, which may grow when a run resumes.
 pub const RIGID_LIMIT_MYR: f64 = 30.0;
-
-/// A share of the angular momentum across the spin axis above which the user is told.
-const NON_AXIAL_WARNING: f64 = 0.02;
 
 /// Where a run stands when it returns.
 #[derive(Debug, Clone, PartialEq)]
@@ -76,7 +75,7 @@ pub fn run(
         observer,
         end_s,
         movements: 0,
-        warned_non_axial: false,
+        told_tilt: TILT_LIMIT,
     };
     driver.run(scene, fresh)
 }
@@ -89,7 +88,8 @@ struct Driver<'a> {
     observer: &'a mut dyn Observer,
     end_s: f64,
     movements: u32,
-    warned_non_axial: bool,
+    /// The user is told of a larger tilt than this.
+    told_tilt: f64,
 }
 
 impl Driver<'_> {
@@ -105,7 +105,8 @@ impl Driver<'_> {
                     }
                 };
                 let state = begin(self.scene, spheres)?;
-                self.save(|store, ledger| store.save_built(&state, ledger))?;
+                let built = measure(&state.spheres)?;
+                self.save(|store, ledger| store.save_built(&built, &state, ledger))?;
                 state
             }
         };
@@ -137,6 +138,8 @@ impl Driver<'_> {
 
     /// Tiles the settled body, computes its torques and the curve it would follow were it rigid.
     fn found_object_0(&mut self, mut state: State) -> Result<State, EvolveError> {
+        let built = self.store.built()?.ok_or_else(|| self.store.damaged("it lacks the body as made"))?;
+        compare_with_asked(self.scene, &built, &state.spheres, self.observer)?;
         if let Some(warning) = taco::seasonal_heat(&self.scene.surface.to_taco(), &self.scene.orbit.to_taco()) {
             self.observer.warn(&warning.to_string());
         }
@@ -170,7 +173,14 @@ impl Driver<'_> {
         loop {
             self.report(&state);
             if let Some(outcome) = state.outcome {
-                return Ok(Ending { t_s: state.t_s, omega: state.omega, obliquity: state.obliquity, outcome });
+                let omega = match outcome {
+                    // Of interest is the spin that broke the body, not that of what is left of it.
+                    Outcome::Fission | Outcome::Disrupted => {
+                        self.store.last_leg()?.map_or(state.omega, |leg| leg.omega[1])
+                    }
+                    _ => state.omega,
+                };
+                return Ok(Ending { t_s: state.t_s, omega, obliquity: state.obliquity, outcome });
             }
             let leg = self.spin_leg(&state, &shape)?;
             if leg.reason == StopReason::EndTime {
@@ -213,6 +223,11 @@ impl Driver<'_> {
             next.stage = Stage::Finished;
             next.outcome = Some(Outcome::SpunDown);
             record.result = "stopped".into();
+            let torque = shape.inertia() * (leg.end.omega - state.omega);
+            record.angular_momentum.start = mass_properties(&state.spheres)?.angular_momentum.norm();
+            record.angular_momentum.torque = torque;
+            give_along_spin(&mut next.spheres, torque)?;
+            next.omega = mass_properties(&next.spheres)?.spin_rate();
             return self.commit_leg(record, next, None, &Shedding::default());
         }
         let watch = Stopwatch::start();
@@ -221,16 +236,18 @@ impl Driver<'_> {
         let check =
             check_spin(engine, self.scene, &state, [leg.end.t_s, leg.end.omega], &shape.record, observer, progress)?;
         self.ledger.stop(if check.movement.is_some() { Part::Movement } else { Part::Check }, watch);
-        self.note_check(&mut record, &check)?;
+        self.note_check(&mut record, &check);
         next.spheres = check.body.spheres;
         next.contacts = check.body.contacts;
         next.rest = check.rest;
+        next.omega = mass_properties(&next.spheres)?.spin_rate();
         let Some(movement) = check.movement else {
             return self.commit_leg(LegRecord { result: "quiet".into(), ..record }, next, None, &Shedding::default());
         };
-        if repeats(self.scene, &state, movement.count()) {
+        if check.discarded {
             // Back to the start of the leg with a fifth of the increment.
             let back = State { leg: next.leg, refinement: state.refinement + 1, ..state };
+            (record.angular_momentum.torque, record.angular_momentum.shed) = (0.0, 0.0);
             return self.commit_leg(
                 LegRecord { result: "backtracked".into(), ..record },
                 back,
@@ -241,7 +258,6 @@ impl Driver<'_> {
         next.sphere_ids = check.body.ids;
         next.refinement = 0;
         next.configuration = Some(shape.record.configuration + 1);
-        next.omega = mass_properties(&next.spheres)?.spin_rate();
         let (object, moved) = next_object(self.scene, original, shape, &state, &next, &movement, &mut self.ledger)?;
         *shape = object;
         next.outcome = check.breakup.map(|breakup| match breakup {
@@ -261,26 +277,31 @@ impl Driver<'_> {
     }
 
     /// Enters what the check found into the leg's row, and tells the user what is out of the ordinary.
-    fn note_check(&mut self, record: &mut LegRecord, check: &Check) -> Result<(), EvolveError> {
+    fn note_check(&mut self, record: &mut LegRecord, check: &Check) {
         record.dynamics = check.dynamics;
         record.settled = check.settled;
         record.shed = check.shedding.losses.len() as u32;
         if let Some(movement) = &check.movement {
             record.moved = [movement.count(), movement.robust_count, movement.literal_count].map(|n| n as u32);
         }
-        let properties = mass_properties(&check.body.spheres)?;
-        let axial = properties.angular_momentum.dot(&properties.axes.column(2)) / properties.angular_momentum.norm();
-        record.non_axial = (1.0 - axial * axial).max(0.0).sqrt();
-        if record.non_axial > NON_AXIAL_WARNING && !std::mem::replace(&mut self.warned_non_axial, true) {
-            let percent = 100.0 * record.non_axial;
-            let leg = record.leg;
-            self.observer.warn(&format!("leg {leg}: {percent:.1} % of the angular momentum is across the spin axis (column non_axial; not told again)"));
+        record.angular_momentum = check.angular_momentum;
+        record.non_axial = check.non_axial;
+        if record.non_axial > self.told_tilt {
+            // Told again only when it has grown.
+            self.told_tilt = 2.0 * record.non_axial;
+            let (leg, angle) = (record.leg, record.non_axial.min(1.0).asin().to_degrees());
+            let then = match self.scene.settling.residual_rotation {
+                ResidualRotation::Align if check.movement.is_some() => "; the body was turned so that it lies along it",
+                _ => "",
+            };
+            self.observer.warn(&format!(
+                "leg {leg}: the axis of largest moment stood {angle:.1} deg from the angular momentum{then} (column non_axial)"
+            ));
         }
         if !check.settled {
             let (leg, rotations) = (record.leg, check.dynamics.rotations);
             self.observer.warn(&format!("leg {leg}: the body still moved after {rotations} rotations"));
         }
-        Ok(())
     }
 
     fn commit_leg(
@@ -290,7 +311,8 @@ impl Driver<'_> {
         configuration: Option<(&ConfigurationRecord, &[MovementRecord])>,
         shedding: &Shedding,
     ) -> Result<State, EvolveError> {
-        let leg = LegRecord { omega_after: state.omega, ..leg };
+        let angular_momentum = close_books(leg.angular_momentum, &state.spheres, state.omega)?;
+        let leg = LegRecord { omega_after: state.omega, angular_momentum, ..leg };
         let commit = LegCommit { leg: &leg, state: &state, configuration, shedding };
         self.save(|store, ledger| store.save_leg(&commit, ledger))?;
         Ok(state)
@@ -342,6 +364,7 @@ fn leg_record(state: &State, leg: &Leg) -> LegRecord {
         moved: [0; 3],
         settled: true,
         non_axial: 0.0,
+        angular_momentum: AngularMomentumRecord::default(),
         shed: 0,
     }
 }

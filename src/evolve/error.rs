@@ -2,7 +2,7 @@
 
 use crate::exchange::{AggregateFileError, MeshFileError};
 use crate::shed::ShedError;
-use crate::store::StoreError;
+use crate::store::{BuiltRecord, StoreError};
 
 use super::spin::SpinError;
 
@@ -48,6 +48,19 @@ pub enum EvolveError {
     BrokeUpWhileSettling {
         /// Rotations done.
         rotations: f64,
+    },
+    /// Settling made another body of it.
+    #[error(
+        "settling reshaped the body: b/a {:.3} -> {:.3}, c/a {:.3} -> {:.3}, period {:.3} -> {:.3} h (at most 0.15 in a ratio and a \
+         quarter of the period); spheres that roll freely do not hold this shape at this spin. Give it a longer spin.period_h, \
+         `hcp` packing or soft contacts with friction, or set settling.allow_reshaping if that is meant",
+        built.b_over_a, settled.b_over_a, built.c_over_a, settled.c_over_a, built.period_s / 3600.0, settled.period_s / 3600.0
+    )]
+    Reshaped {
+        /// As it was made.
+        built: Box<BuiltRecord>,
+        /// As it settled.
+        settled: Box<BuiltRecord>,
     },
     /// Rotations were asked of a body that does not rotate.
     #[error("the aggregate does not rotate; give it a period or ask for seconds")]

@@ -28,7 +28,7 @@ pub fn shed(
     departures: &Departures,
     [t_s, omega, obliquity]: [f64; 3],
 ) -> Result<Shedding, EvolveError> {
-    let mut shedding = Shedding::default();
+    let mut shedding = Shedding { angular_momentum_change: -departures.angular_momentum, ..Shedding::default() };
     if let Track::Rebound(rebound) = &scene.shed.track
         && !departures.spheres.is_empty()
     {
@@ -192,7 +192,7 @@ fn to_equator(omega: Vector3<f64>) -> Rotation3<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evolve::shedding::departures;
+    use crate::evolve::shedding::{Parting, departures};
     use crate::scene::{Body, FileBody};
     use pkd::frame::set_rigid_rotation;
 
@@ -206,7 +206,7 @@ mod tests {
         set_rigid_rotation(&mut spheres, Vector3::new(0.0, 2e-4, 0.0)).unwrap();
         spheres.push([3.0, 80.0, 1.0], [0.0, speed, 0.0], [0.0; 3], 1e7, 10.0);
         let mut body = Aggregate { spheres, ids: (0..65).collect(), contacts: ContactHistory::default() };
-        let found = departures(&body.spheres.clone(), &body).unwrap();
+        let found = departures(&body.spheres.clone(), &body, &Parting::default()).unwrap();
         assert_eq!(found.spheres.len(), 1);
         found.remove_from(&mut body).unwrap();
         (body, found)
@@ -259,7 +259,7 @@ mod tests {
         }
         spheres.push([0.0, 0.0, 40.0], [0.0, 1.0, 0.0], [0.0; 3], 1e9, 10.0);
         let mut body = Aggregate { spheres, ids: (0..55).collect(), contacts: ContactHistory::default() };
-        let found = departures(&body.spheres.clone(), &body).unwrap();
+        let found = departures(&body.spheres.clone(), &body, &Parting::default()).unwrap();
         assert_eq!(found.breakup, Some(Breakup::Fission));
         found.remove_from(&mut body).unwrap();
         let shedding = shed(&scene(Rebound::default()), &mut body, &found, [0.0; 3]).unwrap();

@@ -3,6 +3,7 @@
 //! [`driver::run`] hands the body back and forth between radiation and dynamics; the other modules are what it is made of.
 
 pub mod aggregate;
+pub mod alignment;
 pub mod block;
 pub mod build;
 pub mod check;
@@ -14,6 +15,7 @@ pub mod fate;
 pub mod movement;
 mod observer;
 pub mod relax;
+pub mod reshaping;
 pub mod rigid;
 pub mod settling;
 pub mod shedding;

@@ -4,9 +4,11 @@ use pkd::Spheres;
 use pkd::mass_properties::mass_properties;
 use pkd::soft_sphere::ContactHistory;
 
+use super::alignment::{TILT_LIMIT, align};
 use super::block::{Aggregate, evolve_block};
 use super::engine::{ContactLaw, Engine};
 use super::fate::shed;
+use super::shedding::on_one_body;
 use super::{EvolveError, Observer, Progress};
 use crate::scene::Scene;
 use crate::store::{SettlingRecord, Shedding, Stage, State};
@@ -67,6 +69,11 @@ pub fn settle_block(
     }
     let omega = mass_properties(&body.spheres)?.spin_rate();
     let shedding = shed(scene, &mut body, &block.departures, [0.0, omega, state.obliquity])?;
+    let quiet = block.moved == 0 && block.departures.spheres.is_empty();
+    let last = rotations >= f64::from(settling.max_rotations);
+    let tilt = mass_properties(&body.spheres)?.across_axis();
+    // A body that was turned much has another block about its new axis before it counts as settled.
+    let turned = (quiet || last) && on_one_body(&body.spheres) && align(scene, &mut body)? && tilt > TILT_LIMIT;
     let properties = mass_properties(&body.spheres)?;
     let axes = properties.deeve_axes();
     let record = SettlingRecord {
@@ -77,6 +84,8 @@ pub fn settle_block(
         b_over_a: axes.y / axes.x,
         c_over_a: axes.z / axes.x,
         dynamics: block.dynamics,
+        angular_momentum: properties.angular_momentum.norm(),
+        non_axial: tilt,
         shed: shedding.losses.len() as u32,
     };
     state.spheres = body.spheres;
@@ -84,9 +93,15 @@ pub fn settle_block(
     state.contacts = body.contacts;
     state.omega = properties.spin_rate();
     state.blocks += 1;
-    let quiet = block.moved == 0 && block.departures.spheres.is_empty();
-    if quiet || rotations >= f64::from(settling.max_rotations) {
+    if (quiet && !turned) || last {
         state.stage = Stage::Settled;
+    }
+    if turned {
+        let angle = tilt.min(1.0).asin().to_degrees();
+        observer.warn(&format!(
+            "after {rotations} rotations of settling the body was turned by {angle:.1} deg, so that its axis of largest moment lies \
+             along its angular momentum (settling.residual_rotation)"
+        ));
     }
     if !quiet && state.stage == Stage::Settled {
         let moved = block.moved;

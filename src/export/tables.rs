@@ -43,6 +43,11 @@ fn legs(run: &RunData) -> Table {
         ("shed", whole(|l| l.shed.into())),
         ("settled", whole(|l| l.settled.into())),
         ("non_axial", number(|l| l.non_axial)),
+        ("angular_momentum0_kg_m2_s", number(|l| l.angular_momentum.start)),
+        ("angular_momentum_torque_kg_m2_s", number(|l| l.angular_momentum.torque)),
+        ("angular_momentum_shed_kg_m2_s", number(|l| l.angular_momentum.shed)),
+        ("angular_momentum1_kg_m2_s", number(|l| l.angular_momentum.end)),
+        ("angular_momentum_over_spin", number(|l| l.angular_momentum.over_spin)),
         ("spin_error", number(|l| l.spin_error)),
         ("obliquity_error_rad", number(|l| l.obliquity_error)),
         ("max_overlap_radii", number(|l| l.dynamics.max_overlap_radii)),
@@ -80,6 +85,10 @@ fn settling(run: &RunData) -> Table {
         ("max_displacement_radii", Column::number(blocks.iter().map(|b| b.max_displacement_radii))),
         ("b1_b_over_a", Column::number(blocks.iter().map(|b| b.b_over_a))),
         ("b1_c_over_a", Column::number(blocks.iter().map(|b| b.c_over_a))),
+        ("momentum_drift", Column::number(blocks.iter().map(|b| b.dynamics.momentum_drift))),
+        ("angular_momentum_drift", Column::number(blocks.iter().map(|b| b.dynamics.angular_momentum_drift))),
+        ("angular_momentum_kg_m2_s", Column::number(blocks.iter().map(|b| b.angular_momentum))),
+        ("non_axial", Column::number(blocks.iter().map(|b| b.non_axial))),
         ("shed", Column::whole(blocks.iter().map(|b| b.shed))),
     ];
     Table { name: "settling", columns }

@@ -22,11 +22,16 @@ impl std::fmt::Display for Difference {
 }
 
 /// The first difference between the scene of a run and one given to resume it, defaults filled in, in the order of the
-/// format. `evolution.duration_myr` may grow: going on for longer is no other run.
+/// format. `evolution.duration_myr` may grow, going on for longer is no other run, and `settling.allow_reshaping` may
+/// be set where a body was refused.
 pub fn first_difference(stored: &Scene, given: &Scene) -> Option<Difference> {
     let mut given_tree = tree(given);
     if given.evolution.duration_myr > stored.evolution.duration_myr {
         given_tree["evolution"]["duration_myr"] = stored.evolution.duration_myr.into();
+    }
+    // What has been refused may be allowed; what has been allowed stays so.
+    if given.settling.allow_reshaping {
+        given_tree["settling"]["allow_reshaping"] = stored.settling.allow_reshaping.into();
     }
     differing(&tree(stored), &given_tree, &mut String::new())
 }

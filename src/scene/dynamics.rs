@@ -137,11 +137,33 @@ pub struct Settling {
     pub max_rotations: u32,
     /// How long the aggregate is watched after a small change of its spin (default brief).
     pub question: Question,
+    /// What becomes of rotation that is not about the axis of largest moment once the body has come to rest (default align).
+    pub residual_rotation: ResidualRotation,
+    /// Whether the settled body may be quite another than the one that was made: an axis ratio changed by more than 0.15, or
+    /// the period by more than a quarter (default false: such a body is refused).
+    pub allow_reshaping: bool,
+}
+
+/// Rotation that is left over when a body has settled or a movement has ended.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ResidualRotation {
+    /// It dissipates, as in the long time between two movements: the same angular momentum, about the axis of largest moment.
+    #[default]
+    Align,
+    /// It stays as the spheres have it, although torques are those of a body that turns about its axis of largest moment.
+    Keep,
 }
 
 impl Default for Settling {
     fn default() -> Self {
-        Self { rotations: 5, max_rotations: 50, question: Question::default() }
+        Self {
+            rotations: 5,
+            max_rotations: 50,
+            question: Question::default(),
+            residual_rotation: ResidualRotation::default(),
+            allow_reshaping: false,
+        }
     }
 }
 

@@ -23,8 +23,8 @@ use serde::{Deserialize, Serialize};
 pub use body::{Body, CarvedMesh, FileBody, FillingSpheres, LengthUnit, PackedEllipsoid, Packing};
 pub use difference::{Difference, first_difference};
 pub use dynamics::{
-    BriefQuestion, Contact, GravityMethod, GravityOptions, HardSphereContact, Question, Rebound, Settling, Shed,
-    SlideVelocity, Spin, Track,
+    BriefQuestion, Contact, GravityMethod, GravityOptions, HardSphereContact, Question, Rebound, ResidualRotation,
+    Settling, Shed, SlideVelocity, Spin, Track,
 };
 pub use error::{Location, SceneError};
 pub use evolution::{Evolution, MovementRule, TilingOptions};

@@ -33,6 +33,21 @@ impl RunReader {
         Ok(rows.into_iter().map(|(_, sphere)| sphere).collect())
     }
 
+    /// The body as it was made; `None` before that.
+    ///
+    /// # Errors
+    /// The database cannot be read.
+    pub fn built(&self) -> Result<Option<BuiltRecord>, StoreError> {
+        self.query("SELECT * FROM built", |row| {
+            Ok(BuiltRecord {
+                b_over_a: row.get("b1_b_over_a")?,
+                c_over_a: row.get("b1_c_over_a")?,
+                density_kg_m3: row.get("density_b1_kg_m3")?,
+                period_s: row.get("period_s")?,
+            })
+        })
+    }
+
     /// The blocks of settling.
     ///
     /// # Errors
@@ -46,7 +61,9 @@ impl RunReader {
                 max_displacement_radii: row.get("max_displacement_radii")?,
                 b_over_a: row.get("b1_b_over_a")?,
                 c_over_a: row.get("b1_c_over_a")?,
-                dynamics: work(row)?,
+                dynamics: drifts(row, work(row)?)?,
+                angular_momentum: row.get("angular_momentum")?,
+                non_axial: row.get("non_axial")?,
                 shed: row.get("shed")?,
             })
         })
@@ -66,32 +83,15 @@ impl RunReader {
     /// # Errors
     /// The database cannot be read.
     pub fn legs(&self) -> Result<Vec<LegRecord>, StoreError> {
-        self.rows("SELECT * FROM leg ORDER BY leg", |row| {
-            Ok(LegRecord {
-                leg: row.get("leg")?,
-                configuration: row.get("configuration")?,
-                t_s: [row.get("t0_s")?, row.get("t1_s")?],
-                omega: [row.get("omega0")?, row.get("omega1")?],
-                obliquity: [row.get("obliquity0")?, row.get("obliquity1")?],
-                reason: text(row, "reason")?,
-                refinement: row.get("refinement")?,
-                rk4_steps: count(row, "rk4_steps")?,
-                spin_error: row.get("spin_error")?,
-                obliquity_error: row.get("obliquity_error")?,
-                result: text(row, "result")?,
-                omega_after: row.get("omega_after")?,
-                dynamics: DynamicsRecord {
-                    max_overlap_radii: row.get("max_overlap_radii")?,
-                    momentum_drift: row.get("momentum_drift")?,
-                    angular_momentum_drift: row.get("angular_momentum_drift")?,
-                    ..work(row)?
-                },
-                moved: [row.get("moved")?, row.get("moved_robust")?, row.get("moved_literal")?],
-                settled: row.get("settled")?,
-                non_axial: row.get("non_axial")?,
-                shed: row.get("shed")?,
-            })
-        })
+        self.rows("SELECT * FROM leg ORDER BY leg", read_leg)
+    }
+
+    /// The last of them.
+    ///
+    /// # Errors
+    /// The database cannot be read.
+    pub fn last_leg(&self) -> Result<Option<LegRecord>, StoreError> {
+        self.query("SELECT * FROM leg ORDER BY leg DESC LIMIT 1", read_leg)
     }
 
     /// The intervals that a movement has closed.
@@ -211,6 +211,35 @@ impl RunReader {
     }
 }
 
+fn read_leg(row: &Row) -> Read<LegRecord> {
+    Ok(LegRecord {
+        leg: row.get("leg")?,
+        configuration: row.get("configuration")?,
+        t_s: [row.get("t0_s")?, row.get("t1_s")?],
+        omega: [row.get("omega0")?, row.get("omega1")?],
+        obliquity: [row.get("obliquity0")?, row.get("obliquity1")?],
+        reason: text(row, "reason")?,
+        refinement: row.get("refinement")?,
+        rk4_steps: count(row, "rk4_steps")?,
+        spin_error: row.get("spin_error")?,
+        obliquity_error: row.get("obliquity_error")?,
+        result: text(row, "result")?,
+        omega_after: row.get("omega_after")?,
+        dynamics: DynamicsRecord { max_overlap_radii: row.get("max_overlap_radii")?, ..drifts(row, work(row)?)? },
+        moved: [row.get("moved")?, row.get("moved_robust")?, row.get("moved_literal")?],
+        settled: row.get("settled")?,
+        non_axial: row.get("non_axial")?,
+        angular_momentum: AngularMomentumRecord {
+            start: row.get("angular_momentum0")?,
+            torque: row.get("angular_momentum_torque")?,
+            shed: row.get("angular_momentum_shed")?,
+            end: row.get("angular_momentum1")?,
+            over_spin: row.get("angular_momentum_over_spin")?,
+        },
+        shed: row.get("shed")?,
+    })
+}
+
 /// The counters that legs and blocks of settling share.
 fn work(row: &Row) -> Read<DynamicsRecord> {
     Ok(DynamicsRecord {
@@ -221,6 +250,12 @@ fn work(row: &Row) -> Read<DynamicsRecord> {
         capped: count(row, "capped")?,
         ..DynamicsRecord::default()
     })
+}
+
+/// `counters` with the drifts of momentum that stand beside them.
+fn drifts(row: &Row, counters: DynamicsRecord) -> Read<DynamicsRecord> {
+    let (momentum_drift, angular_momentum_drift) = (row.get("momentum_drift")?, row.get("angular_momentum_drift")?);
+    Ok(DynamicsRecord { momentum_drift, angular_momentum_drift, ..counters })
 }
 
 fn text(row: &Row, column: &str) -> Read<Cow<'static, str>> {

@@ -33,7 +33,7 @@ use crate::scene::Scene;
 /// `application_id` of a run database: "yorp" in ASCII.
 const APPLICATION_ID: i64 = 0x796f_7270;
 /// `user_version` of the tables in `schema.sql`.
-const FORMAT_VERSION: i64 = 4;
+const FORMAT_VERSION: i64 = 5;
 
 /// An open run directory, held by this process until it is dropped.
 #[derive(Debug)]

@@ -25,6 +25,10 @@ pub struct Totals {
     pub momentum_drift: f64,
     /// Largest angular momentum drift of a check.
     pub angular_momentum_drift: f64,
+    /// Angular momentum from object 0 until now, kg m^2/s; zero before object 0.
+    pub angular_momentum: AngularMomentumRecord,
+    /// Largest [`AngularMomentumRecord::error`] of a leg.
+    pub angular_momentum_error: f64,
     /// Deepest overlap of a check, radii.
     pub max_overlap_radii: f64,
     /// Largest step-doubling error of a leg, relative.
@@ -191,6 +195,17 @@ impl RunReader {
             movements: number("SELECT total(1) FROM leg WHERE result = 'movement'")? as u32,
             shed_mass_fraction: number(
                 "SELECT (SELECT total(mass_kg) FROM sphere JOIN loss USING (sphere)) / (SELECT nullif(total(mass_kg), 0) FROM sphere)",
+            )?,
+            angular_momentum: AngularMomentumRecord {
+                start: number("SELECT angular_momentum0 FROM leg ORDER BY leg LIMIT 1")?,
+                torque: number("SELECT total(angular_momentum_torque) FROM leg")?,
+                shed: number("SELECT total(angular_momentum_shed) FROM leg")?,
+                end: number("SELECT angular_momentum1 FROM leg ORDER BY leg DESC LIMIT 1")?,
+                over_spin: number("SELECT angular_momentum_over_spin FROM leg ORDER BY leg DESC LIMIT 1")?,
+            },
+            angular_momentum_error: number(
+                "SELECT max(abs(angular_momentum1 - angular_momentum0 - angular_momentum_torque - angular_momentum_shed) \
+                 / max(angular_momentum0, angular_momentum1)) FROM leg",
             )?,
             momentum_drift: number("SELECT max(momentum_drift) FROM leg")?,
             angular_momentum_drift: number("SELECT max(angular_momentum_drift) FROM leg")?,

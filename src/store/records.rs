@@ -156,6 +156,10 @@ pub struct SettlingRecord {
     pub c_over_a: f64,
     /// Work counters.
     pub dynamics: DynamicsRecord,
+    /// Angular momentum at its end, kg m^2/s.
+    pub angular_momentum: f64,
+    /// Sine of the angle between it and the axis of largest moment, before the body is aligned.
+    pub non_axial: f64,
     /// Spheres removed at the end.
     pub shed: u32,
 }
@@ -227,6 +231,42 @@ pub struct TorqueRecord {
     pub obliquity_torque_error: f64,
 }
 
+/// The angular momentum of the body through one leg, kg m^2/s: sizes of the vector and what changed them.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct AngularMomentumRecord {
+    /// Of the spheres before the leg.
+    pub start: f64,
+    /// What sunlight gave along it: C of the configuration times the change of the spin rate.
+    pub torque: f64,
+    /// What shed mass changed, by the books of what left, pulled and came back.
+    pub shed: f64,
+    /// Of the spheres after the leg.
+    pub end: f64,
+    /// `end` over C omega of the state that the next leg starts from: 1 where the body turns with what it carries.
+    pub over_spin: f64,
+}
+
+impl AngularMomentumRecord {
+    /// What the end is off by, over the larger of start and end.
+    pub fn error(&self) -> f64 {
+        let scale = self.start.max(self.end);
+        if scale > 0.0 { (self.end - self.start - self.torque - self.shed).abs() / scale } else { 0.0 }
+    }
+}
+
+/// The body as it was made, before it settled.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BuiltRecord {
+    /// B1 axis ratio b/a.
+    pub b_over_a: f64,
+    /// B1 axis ratio c/a.
+    pub c_over_a: f64,
+    /// Mass over the volume of the B1 ellipsoid, kg/m^3.
+    pub density_kg_m3: f64,
+    /// Rotation period, s.
+    pub period_s: f64,
+}
+
 /// One pass through the loop.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LegRecord {
@@ -260,8 +300,11 @@ pub struct LegRecord {
     pub moved: [u32; 3],
     /// Whether the body was at rest at the end.
     pub settled: bool,
-    /// Share of the angular momentum across the spin axis.
+    /// Sine of the angle between the angular momentum and the axis of largest moment after the check, before the body is
+    /// aligned.
     pub non_axial: f64,
+    /// The angular momentum through the leg.
+    pub angular_momentum: AngularMomentumRecord,
     /// Spheres removed.
     pub shed: u32,
 }
@@ -349,6 +392,8 @@ pub struct Shedding {
     pub fates: Vec<FateRecord>,
     /// Likewise of the two pieces of a fission.
     pub fission: Option<FissionRecord>,
+    /// Change of the body's angular momentum about its centre of mass by all of this, kg m^2/s, inertial axes.
+    pub angular_momentum_change: nalgebra::Vector3<f64>,
 }
 
 /// A sample of the rigid reference curve.

@@ -34,6 +34,15 @@ CREATE TABLE sphere (
     radius_m REAL NOT NULL
 ) STRICT;
 
+-- The body as it was made, before settling, without what was far from the rest: one row.
+CREATE TABLE built (
+    id               INTEGER PRIMARY KEY CHECK (id = 1),
+    b1_b_over_a      REAL NOT NULL,
+    b1_c_over_a      REAL NOT NULL,
+    density_b1_kg_m3 REAL NOT NULL,
+    period_s         REAL NOT NULL
+) STRICT;
+
 CREATE TABLE settling (
     block                    INTEGER PRIMARY KEY,
     rotations                REAL NOT NULL,
@@ -46,6 +55,10 @@ CREATE TABLE settling (
     slide_rule               INTEGER NOT NULL,
     collapse_rule            INTEGER NOT NULL,
     capped                   INTEGER NOT NULL,
+    momentum_drift           REAL NOT NULL,     -- over sum m|v|
+    angular_momentum_drift   REAL NOT NULL,     -- relative, of the block's dynamics
+    angular_momentum         REAL NOT NULL,     -- at the block's end, kg m^2/s
+    non_axial                REAL NOT NULL,     -- |L across the axis of largest moment| / |L| before the body is aligned
     shed                     INTEGER NOT NULL   -- spheres removed at the block's end
 ) STRICT;
 
@@ -99,7 +112,7 @@ CREATE TABLE leg (
     rk4_steps         INTEGER NOT NULL,
     spin_error        REAL NOT NULL,            -- step-doubling estimate, relative
     obliquity_error   REAL NOT NULL,            -- rad
-    result            TEXT NOT NULL,            -- quiet, movement, backtracked
+    result            TEXT NOT NULL,            -- quiet, movement, backtracked, stopped
     omega_after       REAL NOT NULL,            -- spin rate the next leg starts from
     rotations         REAL NOT NULL,            -- rotations of dynamics
     collisions        INTEGER NOT NULL,
@@ -111,7 +124,12 @@ CREATE TABLE leg (
     moved_robust      INTEGER NOT NULL,
     moved_literal     INTEGER NOT NULL,
     settled           INTEGER NOT NULL,         -- 0: still moving after max_rotations
-    non_axial         REAL NOT NULL,            -- |L perpendicular| / |L| after the check
+    non_axial         REAL NOT NULL,            -- |L across the axis of largest moment| / |L|, before the body is aligned
+    angular_momentum0 REAL NOT NULL,            -- |L| of the spheres before the leg, kg m^2/s
+    angular_momentum_torque REAL NOT NULL,      -- given by sunlight along L: C of the configuration (omega1 - omega0)
+    angular_momentum_shed REAL NOT NULL,        -- change of |L| with what left, pulled in flight and came back
+    angular_momentum1 REAL NOT NULL,            -- |L| of the spheres after the leg
+    angular_momentum_over_spin REAL NOT NULL,   -- angular_momentum1 / (C omega_after): 1
     momentum_drift    REAL NOT NULL,            -- over sum m|v|
     angular_momentum_drift REAL NOT NULL,
     shed              INTEGER NOT NULL

@@ -75,7 +75,7 @@ fn what_is_stored_comes_back_bit_for_bit() {
     {
         let (mut store, existing) = RunStore::open(folder.path(), &scene(), false).unwrap();
         assert!(!existing && store.state().unwrap().is_none());
-        store.save_built(&written, &ledger).unwrap();
+        store.save_built(&BUILT, &written, &ledger).unwrap();
         written.stage = Stage::Evolving;
         written.configuration = Some(0);
         store.save_object_0(&tiling, &object_0, &[], &written, &ledger).unwrap();
@@ -96,7 +96,7 @@ fn memory_of_soft_contacts_comes_back_bit_for_bit_and_only_where_it_fits() {
     let contacts = ContactHistory::new(vec![contact(0, 2), contact(1, 2)]).unwrap();
     let written = State { normal_stiffness_n_m: Some(2.6e7), contacts, ..state(3) };
     let (mut store, _) = RunStore::open(folder.path(), &scene(), false).unwrap();
-    store.save_built(&written, &Ledger::default()).unwrap();
+    store.save_built(&BUILT, &written, &Ledger::default()).unwrap();
     let read = store.state().unwrap().unwrap();
     assert_eq!(read, written);
     assert_eq!(read.contacts.contacts()[1].sliding_m[1].to_bits(), (-0.0_f64).to_bits());
@@ -171,13 +171,15 @@ fn a_file_in_the_place_of_the_directory_is_refused() {
     assert!(matches!(RunStore::open(&path, &scene(), false), Err(StoreError::NotADirectory(_))));
 }
 
+const BUILT: BuiltRecord = BuiltRecord { b_over_a: 0.9, c_over_a: 0.7, density_kg_m3: 1700.0, period_s: 2e4 };
+
 #[test]
 fn a_reader_gets_every_table_as_it_was_written_and_does_not_stop_the_run() {
     let folder = tempfile::tempdir().unwrap();
     assert!(matches!(RunReader::open(folder.path()), Err(StoreError::NoRun(_))));
     let (mut store, _) = RunStore::open(folder.path(), &scene(), false).unwrap();
     let (ledger, mut now) = (Ledger::default(), state(3));
-    store.save_built(&now, &ledger).unwrap();
+    store.save_built(&BUILT, &now, &ledger).unwrap();
     let block = SettlingRecord {
         block: 0,
         period_s: 2e4,
@@ -186,6 +188,8 @@ fn a_reader_gets_every_table_as_it_was_written_and_does_not_stop_the_run() {
         b_over_a: 0.9,
         c_over_a: 0.8,
         dynamics: DynamicsRecord { rotations: 5.0, collisions: 7, capped: 1, ..Default::default() },
+        angular_momentum: 4e13,
+        non_axial: 0.03,
         shed: 0,
     };
     store.save_settling(&block, &Shedding::default(), &now, &ledger).unwrap();
@@ -209,6 +213,7 @@ fn a_reader_gets_every_table_as_it_was_written_and_does_not_stop_the_run() {
         moved: [1, 2, 3],
         settled: true,
         non_axial: 0.01,
+        angular_momentum: AngularMomentumRecord { start: 4e13, torque: 2e12, shed: -1e12, end: 5e13, over_spin: 1.0 },
         shed: 1,
     };
     let movement = MovementRecord { sphere: 1, displacement_m: 20.0, enclosed_mass_fraction: 0.5 };
@@ -242,7 +247,12 @@ fn a_reader_gets_every_table_as_it_was_written_and_does_not_stop_the_run() {
         orbit: None,
         spin_rate: [1e-4, 2e-4],
     };
-    let shedding = Shedding { losses: vec![loss], fates: vec![fate.clone()], fission: Some(fission.clone()) };
+    let shedding = Shedding {
+        losses: vec![loss],
+        fates: vec![fate.clone()],
+        fission: Some(fission.clone()),
+        ..Shedding::default()
+    };
     let second = ConfigurationRecord { configuration: 1, after_leg: Some(0), t_s: 1e11, ..configuration() };
     now.leg = 1;
     let commit = LegCommit { leg: &leg, state: &now, configuration: Some((&second, &[movement])), shedding: &shedding };
@@ -252,9 +262,14 @@ fn a_reader_gets_every_table_as_it_was_written_and_does_not_stop_the_run() {
     store.save_leg(&commit, &ledger).unwrap();
 
     assert_eq!(reader.spheres().unwrap(), [[1e9, 50.2]; 3]);
+    assert_eq!(reader.built().unwrap(), Some(BUILT));
     assert_eq!(reader.settling().unwrap(), [block]);
     assert_eq!(reader.configurations().unwrap(), [configuration(), second]);
+    let leg_books = leg.angular_momentum;
+    assert_eq!(leg_books.error(), 9e12 / 5e13);
     assert_eq!(reader.legs().unwrap(), [leg]);
+    let totals = reader.totals().unwrap();
+    assert_eq!((totals.angular_momentum, totals.angular_momentum_error), (leg_books, 9e12 / 5e13));
     assert_eq!(reader.movements().unwrap(), [(1, movement)]);
     assert_eq!(reader.losses().unwrap(), [(Some(0), loss)]);
     assert_eq!(reader.fates().unwrap(), [(Some(0), fate)]);

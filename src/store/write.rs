@@ -24,13 +24,17 @@ impl RunStore {
     ///
     /// # Errors
     /// The database cannot be written.
-    pub fn save_built(&mut self, state: &State, ledger: &Ledger) -> Result<(), StoreError> {
+    pub fn save_built(&mut self, built: &BuiltRecord, state: &State, ledger: &Ledger) -> Result<(), StoreError> {
         let session = self.session;
         self.transaction(|tx| {
             let mut insert = tx.prepare("INSERT INTO sphere VALUES (?1, ?2, ?3)")?;
             for (i, id) in state.sphere_ids.iter().enumerate() {
                 insert.execute(params![id, state.spheres.mass[i], state.spheres.radius[i]])?;
             }
+            tx.execute(
+                "INSERT INTO built VALUES (1, ?1, ?2, ?3, ?4)",
+                params![built.b_over_a, built.c_over_a, built.density_kg_m3, built.period_s],
+            )?;
             write_state(tx, state)?;
             write_ledger(tx, session, ledger)
         })
@@ -50,7 +54,7 @@ impl RunStore {
         let session = self.session;
         self.transaction(|tx| {
             tx.execute(
-                "INSERT INTO settling VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12)",
+                "INSERT INTO settling VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16)",
                 params![
                     block.block,
                     block.dynamics.rotations,
@@ -63,6 +67,10 @@ impl RunStore {
                     block.dynamics.slide_rule as i64,
                     block.dynamics.collapse_rule as i64,
                     block.dynamics.capped as i64,
+                    block.dynamics.momentum_drift,
+                    block.dynamics.angular_momentum_drift,
+                    block.angular_momentum,
+                    block.non_axial,
                     block.shed,
                 ],
             )?;
@@ -215,7 +223,8 @@ fn write_leg(tx: &Transaction, l: &LegRecord) -> rusqlite::Result<()> {
     tx.execute(
         "INSERT INTO leg VALUES (:leg, :configuration, :t0, :t1, :omega0, :omega1, :obliquity0, :obliquity1, :reason, \
          :refinement, :steps, :spin_error, :obliquity_error, :result, :omega_after, :rotations, :collisions, :slide, \
-         :collapse, :capped, :overlap, :moved, :robust, :literal, :settled, :non_axial, :momentum, :angular, :shed)",
+         :collapse, :capped, :overlap, :moved, :robust, :literal, :settled, :non_axial, :l0, :l_torque, \
+         :l_shed, :l1, :l_over_spin, :momentum, :angular, :shed)",
         named_params! {
             ":leg": l.leg,
             ":configuration": l.configuration,
@@ -243,6 +252,11 @@ fn write_leg(tx: &Transaction, l: &LegRecord) -> rusqlite::Result<()> {
             ":literal": l.moved[2],
             ":settled": l.settled,
             ":non_axial": l.non_axial,
+            ":l0": l.angular_momentum.start,
+            ":l_torque": l.angular_momentum.torque,
+            ":l_shed": l.angular_momentum.shed,
+            ":l1": l.angular_momentum.end,
+            ":l_over_spin": l.angular_momentum.over_spin,
             ":momentum": l.dynamics.momentum_drift,
             ":angular": l.dynamics.angular_momentum_drift,
             ":shed": l.shed,
@@ -264,7 +278,7 @@ fn close_interval(tx: &Transaction, leg: &LegRecord) -> rusqlite::Result<()> {
 }
 
 fn write_shedding(tx: &Transaction, leg: i64, shedding: &Shedding) -> rusqlite::Result<()> {
-    let Shedding { losses, fates, fission } = shedding;
+    let Shedding { losses, fates, fission, .. } = shedding;
     let mut insert = tx.prepare("INSERT INTO loss VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)")?;
     for l in losses {
         insert.execute(params![

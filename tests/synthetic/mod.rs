@@ -80,7 +80,8 @@ impl Synthetic {
         let home = lattice(self.spheres);
         let mut positions = home.clone();
         let mut state = state(&positions);
-        store.save_built(&state, &ledger).unwrap();
+        let built = BuiltRecord { b_over_a: 0.8, c_over_a: 0.6, density_kg_m3: 1700.0, period_s: 20_000.0 };
+        store.save_built(&built, &state, &ledger).unwrap();
         if self.until == Until::Built {
             return;
         }
@@ -200,6 +201,8 @@ fn settling() -> SettlingRecord {
         b_over_a: 0.8,
         c_over_a: 0.6,
         dynamics: dynamics(),
+        angular_momentum: 4.8e13,
+        non_axial: 1e-3,
         shed: 0,
     }
 }
@@ -259,6 +262,13 @@ fn leg(number: u32, moved: f64) -> LegRecord {
         moved: [moved as u32; 3],
         settled: true,
         non_axial: 1e-3,
+        angular_momentum: AngularMomentumRecord {
+            start: 1.6e17 * omega(n - 1.0),
+            torque: 1.6e17 * (omega(n) - omega(n - 1.0)),
+            shed: 0.0,
+            end: 1.6e17 * omega(n),
+            over_spin: 1.0,
+        },
         shed: u32::from(number % 10 == 5),
     }
 }
@@ -279,5 +289,5 @@ fn shed(sphere: u32, leg: &LegRecord) -> Shedding {
         returned: false,
         angular_momentum: Some([0.0; 3]),
     };
-    Shedding { losses: vec![loss], fates: vec![fate], fission: None }
+    Shedding { losses: vec![loss], fates: vec![fate], ..Shedding::default() }
 }
