@@ -46,7 +46,7 @@ impl Set {
 
     fn script(&self, out: &str, arguments: &[&str]) -> Command {
         let mut command = Command::new(&self.python);
-        let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/results/cotto_figueroa_2015.py");
+        let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/cotto_figueroa_2015.py");
         command.arg(script).args(arguments).args(["--yorp", env!("CARGO_BIN_EXE_yorp")]);
         command.arg("--scenes").arg(self.folder.join("scenes")).arg("--out").arg(self.folder.join(out));
         command.arg("--tables").arg(self.folder.join("tables"));

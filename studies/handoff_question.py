@@ -1,9 +1,9 @@
 """Cheap hand-offs beside dear ones, and what moves without sunlight.
 
-    python3 docs/results/handoff_question.py run 04=0.2 07=0.15 --ways full brief   # builds the bodies, then runs of so many Myr
-    python3 docs/results/handoff_question.py table                 # run by run
-    python3 docs/results/handoff_question.py compare               # each way against the full question
-    python3 docs/results/handoff_question.py creep 04 04-full-0    # bodies, and the last states of runs, without sunlight
+    python3 studies/handoff_question.py run 04=0.2 07=0.15 --ways full brief   # builds the bodies, then runs of so many Myr
+    python3 studies/handoff_question.py table                 # run by run
+    python3 studies/handoff_question.py compare               # each way against the full question
+    python3 studies/handoff_question.py creep 04 04-full-0    # bodies, and the last states of runs, without sunlight
 
 Bodies start from one settled file each, and from that file with the centres moved by 1e-9 m in other patterns: the dynamics is
 chaotic, so what a way of running changes is judged against what 1e-9 m change. Everything is in out/handoff_question (--out) and
@@ -23,22 +23,25 @@ import struct
 import subprocess
 import sys
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
+ROOT = pathlib.Path(__file__).resolve().parents[1]
 PERTURBATION_M = 1e-9
 STRETCHES = 16
 FEWEST_SPHERES = 100
-WAYS = {  # the scene's settling.question
-    "full": "full",
-    "brief": {"brief": {}},
-    "load-300": {"brief": {"rotations_per_load": 300}},
-    "glance-0.1": {"brief": {"rotations_per_load": 0, "glance_rotations": 0.1}},
+WAYS = {  # what the scene's settling has besides
+    "full": {"question": "full"},
+    "brief": {},
+    "load-300": {"question": {"brief": {"rotations_per_load": 300}}},
+    "glance-0.1": {"question": {"brief": {"rotations_per_load": 0, "glance_rotations": 0.1}}},
+    "keep": {"residual_rotation": "keep"},
+    "before": {},  # with the program that --before names
 }
 
 
-def yorp(options, *arguments):
+def yorp(options, *arguments, way=None):
     """Asks the program, on one thread; its JSON answer, or the end if it fails."""
     threads = [] if arguments[0] == "classify" else ["--threads", "1"]
-    done = subprocess.run([options.yorp, *map(str, arguments), *threads, "--json"], capture_output=True, text=True)
+    program = options.before if way == "before" else options.yorp
+    done = subprocess.run([program, *map(str, arguments), *threads, "--json"], capture_output=True, text=True)
     if done.returncode:
         sys.exit(f"yorp {' '.join(map(str, arguments))} failed:\n{done.stderr.strip()}")
     return json.loads(done.stdout)
@@ -64,7 +67,7 @@ def scene(options, name, way, copy):
     """The scene with that body and in that way."""
     text = json.loads((options.scenes / f"{name}.json").read_text())
     text["body"] = {"file": {"path": body(options, name, copy).name}}
-    text["settling"] = text.get("settling", {}) | {"question": WAYS[way]}
+    text["settling"] = text.get("settling", {}) | WAYS[way]
     path = options.out / f"{name}-{way}-{copy}.json"
     path.write_text(json.dumps(text, indent=2))
     return path
@@ -91,7 +94,7 @@ def goal(word):
 def advance(options, myr, name, way, copy):
     directory = options.out / f"{name}-{way}-{copy}"
     resume = ["--resume"] if (directory / "run.sqlite").exists() else []
-    yorp(options, "run", scene(options, name, way, copy), "--out", directory, "--until-myr", myr, *resume)
+    yorp(options, "run", scene(options, name, way, copy), "--out", directory, "--until-myr", myr, *resume, way=way)
 
 
 def table(options):
@@ -108,7 +111,7 @@ def table(options):
 def runs(options, name, way):
     """The runs of a body in one way that have begun to evolve, and what they show, by copy."""
     directories = [options.out / f"{name}-{way}-{copy}" for copy in range(options.copies)]
-    found = [(d, yorp(options, "classify", d)) for d in directories if (d / "run.sqlite").exists()]
+    found = [(d, yorp(options, "classify", d, way=way)) for d in directories if (d / "run.sqlite").exists()]
     return [(d, f) for d, f in found if f["t_myr"] > 0]
 
 
@@ -150,30 +153,36 @@ def change_of_rate(intervals):
     return statistics.median(changes) if changes else None
 
 
+def end_spin(found):
+    """Spin rate at the end, rev/day."""
+    return found["walk"]["intervals"][-1]["spin_rev_day"][1] if found["walk"]["intervals"] else None
+
+
 MEASURES = {  # what is compared of a run: its movements' sizes, its hand-offs, what `yorp classify` finds
     "movements a hand-off": lambda sizes, hand_offs, found: len(sizes) / hand_offs,
     "movements a Myr": lambda sizes, hand_offs, found: len(sizes) / found["t_myr"],
     "spheres moved, a hand-off": lambda sizes, hand_offs, found: sum(sizes) / hand_offs,
     "log10 of the spheres in a movement": lambda sizes, hand_offs, found: statistics.mean(map(math.log10, sizes)),
     "share of single spheres": lambda sizes, hand_offs, found: sizes.count(1) / len(sizes),
+    "spin in the end, rev/day": lambda sizes, hand_offs, found: end_spin(found),
     "inner half": lambda sizes, hand_offs, found: depth(found, "inner_half"),
     "outer tenth": lambda sizes, hand_offs, found: depth(found, "outer_tenth"),
 }
 
 
 def compare(options):
-    """Means over bodies of what each way shows, and how many standard errors it is from the full question.
+    """Means over bodies of what each way shows, and how many standard errors it is from the one it is held against.
 
     The error is from the scatter among the copies of one body in one way, pooled over bodies and ways. A movement so large that
     its leg is repeated counts, too: it is what the question found.
     """
     names = [path.stem[:-2] for path in sorted(options.out.glob("*-0.csv"))]
-    measured = {(name, way): [measures(*run) for run in runs(options, name, way)] for name in names for way in {"full", *options.ways}}
+    measured = {(name, way): [measures(*run) for run in runs(options, name, way)] for name in names for way in {options.against, *options.ways}}
     print(f"| | {' | '.join(options.ways)} |")
     print("|" + " --- |" * (len(options.ways) + 1))
     for label in MEASURES:
         cells = {key: [m[label] for m in rows if m[label] is not None] for key, rows in measured.items()}
-        print(f"| {label} | {' | '.join(compared(cells, names, way) for way in options.ways)} |")
+        print(f"| {label} | {' | '.join(compared(cells, names, way, options.against) for way in options.ways)} |")
 
 
 def depth(found, share):
@@ -186,24 +195,24 @@ def measures(directory, found):
     rows = legs(directory)
     sizes = [moved for result, moved in rows if result in ("movement", "backtracked")]
     return {
-        label: measure(sizes, len(rows), found) if sizes or label.endswith(("hand-off", "Myr")) else None
+        label: measure(sizes, len(rows), found) if sizes or label.endswith(("hand-off", "Myr", "rev/day")) else None
         for label, measure in MEASURES.items()
     }
 
 
-def compared(cells, names, way):
-    """The mean of a way and its distance from the full question, over the bodies that both have."""
+def compared(cells, names, way, against):
+    """The mean of a way and its distance from another, over the bodies that both have."""
     scatter = [x - statistics.mean(xs) for xs in cells.values() if len(xs) > 1 for x in xs]
     freedom = sum(len(xs) - 1 for xs in cells.values() if len(xs) > 1)
-    names = [name for name in names if cells[name, way] and cells[name, "full"]]
+    names = [name for name in names if cells[name, way] and cells[name, against]]
     if not names or not any(scatter):
         return "-"
     mean = statistics.mean(statistics.mean(cells[name, way]) for name in names)
-    if way == "full":
+    if way == against:
         return f"{mean:.3g}"
-    full = statistics.mean(statistics.mean(cells[name, "full"]) for name in names)
+    full = statistics.mean(statistics.mean(cells[name, against]) for name in names)
     variance = sum(x * x for x in scatter) / freedom
-    error = math.sqrt(variance * sum(1 / len(cells[n, w]) for n in names for w in (way, "full"))) / len(names)
+    error = math.sqrt(variance * sum(1 / len(cells[n, w]) for n in names for w in (way, against))) / len(names)
     return f"{mean:.3g} ({(mean - full) / error:+.1f})"
 
 
@@ -229,6 +238,8 @@ def main():
     parser.add_argument("verb", choices=["run", "table", "compare", "creep"])
     parser.add_argument("names", nargs="*", help="scenes: NAME, or NAME=MYR; to creep also runs: NAME-WAY-COPY")
     parser.add_argument("--ways", nargs="*", choices=WAYS, default=list(WAYS), help="ways to run them")
+    parser.add_argument("--against", choices=WAYS, default="full", help="the way that the others are compared with")
+    parser.add_argument("--before", type=pathlib.Path, help="an older build, for the way `before`")
     parser.add_argument("--copies", type=int, default=3, help="runs of each kind: the body, and others perturbed")
     parser.add_argument("--out", type=pathlib.Path, default=ROOT / "out" / "handoff_question")
     parser.add_argument("--scenes", type=pathlib.Path, default=ROOT / "scenarios" / "cotto_figueroa_2015")
@@ -239,4 +250,5 @@ def main():
     {"run": run, "table": table, "compare": compare, "creep": creep}[options.verb](options)
 
 
-main()
+if __name__ == "__main__":
+    main()

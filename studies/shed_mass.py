@@ -1,6 +1,6 @@
 """Fates of what spun-up bodies shed: builds bodies, spins them beyond what they bear, counts what REBOUND finds.
 
-    python3 docs/results/shed_mass.py target/release/yorp out/shed_mass
+    python3 studies/shed_mass.py target/release/yorp out/shed_mass
 
 Each body is built at rest with its neighbours (a long period), then settled at ever shorter periods; what leaves while it
 settles is followed for a year. Needs nothing but Python.

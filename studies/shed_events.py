@@ -1,6 +1,6 @@
 """Fates of the spheres that runs have shed, and what following them costs.
 
-    python3 docs/results/shed_events.py target/release/yorp out/shed_events out/cotto_figueroa_2015/*
+    python3 studies/shed_events.py target/release/yorp out/shed_events out/cotto_figueroa_2015/*
 
 Counts what the runs have recorded; then gives each event's spheres, where they were and as fast as they were when the run took them
 out, to `yorp track` with the body that was left, and times it. The run does not record which way the long axis pointed at

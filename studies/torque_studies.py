@@ -1,6 +1,6 @@
 """How much the torques of a pile of spheres depend on the tiling and on what the surface does; tables in Markdown.
 
-    python3 docs/results/torque_studies.py target/release/yorp out/torque_studies [resolution] [surface] [end_states]
+    python3 studies/torque_studies.py target/release/yorp out/torque_studies [resolution] [surface] [end_states]
 
 Bodies are rows of scenarios/cotto_figueroa_2015, with 300 larger spheres except for the resolution; they are built and
 settled once and kept in the output folder. Needs nothing but Python. One part alone runs if it is named.
@@ -12,7 +12,7 @@ import pathlib
 import subprocess
 import sys
 
-SCENES = pathlib.Path(__file__).parents[2] / "scenarios" / "cotto_figueroa_2015"
+SCENES = pathlib.Path(__file__).parents[1] / "scenarios" / "cotto_figueroa_2015"
 BODIES = ["07", "13", "02", "04", "05", "06", "08", "09", "12", "03"]
 GAMMA = ["--thermal-inertia", 200]
 SELF = ["--self-heating", "multiple"]

@@ -1,12 +1,12 @@
 """The runs of Cotto-Figueroa et al. (2015): starts, resumes and lists them, and sets their tables beside the paper's.
 
-    python3 docs/results/cotto_figueroa_2015.py run --jobs 2 --wall-minutes 60          # all scenes, as far as time allows
-    python3 docs/results/cotto_figueroa_2015.py run 07=3 12=3 10-gravel=0.3             # these, to so many Myr
-    python3 docs/results/cotto_figueroa_2015.py run --variant literal --set evolution.movement_rule='"literal"' 07 12
-    python3 docs/results/cotto_figueroa_2015.py list
-    python3 docs/results/cotto_figueroa_2015.py digest      # small tables from the databases, then the page
-    python3 docs/results/cotto_figueroa_2015.py page        # the page from the small tables alone
-    python3 docs/results/cotto_figueroa_2015.py compare out/a out/b                     # are two sets the same, byte for byte?
+    python3 studies/cotto_figueroa_2015.py run --jobs 2 --wall-minutes 60          # all scenes, as far as time allows
+    python3 studies/cotto_figueroa_2015.py run 07=3 12=3 10-gravel=0.3             # these, to so many Myr
+    python3 studies/cotto_figueroa_2015.py run --variant literal --set evolution.movement_rule='"literal"' 07 12
+    python3 studies/cotto_figueroa_2015.py list
+    python3 studies/cotto_figueroa_2015.py digest      # small tables from the databases, then the page
+    python3 studies/cotto_figueroa_2015.py page        # the page from the small tables alone
+    python3 studies/cotto_figueroa_2015.py compare out/a out/b                     # are two sets the same, byte for byte?
 
 Databases are in out/cotto_figueroa_2015 (--out), one directory a run. Runs advance in small steps, the one that is furthest
 behind first, so that the set can be stopped or killed at any moment and goes on with the same command; what has been
@@ -30,8 +30,8 @@ import sys
 import threading
 import time
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-TABLES = pathlib.Path(__file__).with_suffix("")
+ROOT = pathlib.Path(__file__).resolve().parents[1]
+TABLES = ROOT / "docs" / "results" / "cotto_figueroa_2015"
 MYR_S = 3.15576e13
 
 STANDARD = [f"{n:02}" for n in range(1, 17)]
