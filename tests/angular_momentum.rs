@@ -54,7 +54,9 @@ fn ellipsoid(spheres: u32, [b, c]: [f64; 2], contact: &str, seed: u32, more: &st
 fn prolate_oblate_and_round_bodies_of_hard_spheres_keep_their_angular_momentum() {
     let folder = tempfile::tempdir().unwrap();
     let mut seed = 0;
-    for (shape, ratios) in [("prolate", [0.6, 0.6]), ("oblate", [1.0, 0.6]), ("round", [1.0, 1.0]), ("triaxial", [0.8, 0.6])] {
+    for (shape, ratios) in
+        [("prolate", [0.6, 0.6]), ("oblate", [1.0, 0.6]), ("round", [1.0, 1.0]), ("triaxial", [0.8, 0.6])]
+    {
         for spheres in [12, 30, 60] {
             seed += 1;
             let scene = ellipsoid(spheres, ratios, r#"{"hard_sphere": {}}"#, seed, "");
@@ -78,7 +80,8 @@ fn residual_rotation_that_is_kept_does_not_spoil_the_books() {
     let scene = ellipsoid(30, [0.7, 0.7], r#"{"hard_sphere": {}}"#, 2, "")
         .replace("\"allow_reshaping\"", "\"residual_rotation\": \"keep\", \"allow_reshaping\"");
     books_close(folder.path(), "keep", &scene);
-    let wobble: f64 = open(&folder.path().join("keep")).query_row("SELECT max(non_axial) FROM leg", [], |r| r.get(0)).unwrap();
+    let wobble: f64 =
+        open(&folder.path().join("keep")).query_row("SELECT max(non_axial) FROM leg", [], |r| r.get(0)).unwrap();
     assert!(wobble > 0.01, "{wobble}");
 }
 
@@ -129,7 +132,8 @@ fn a_pair_far_from_its_limit_only_follows_the_torque() {
 #[test]
 fn the_books_of_a_long_run_close() {
     let folder = tempfile::tempdir().unwrap();
-    let scene = ellipsoid(20, [0.9, 0.8], r#"{"hard_sphere": {}}"#, 5, "").replace("0.02, \"stop_period_h\": 9", "0.002, \"stop_period_h\": 20");
+    let scene = ellipsoid(20, [0.9, 0.8], r#"{"hard_sphere": {}}"#, 5, "")
+        .replace("0.02, \"stop_period_h\": 9", "0.002, \"stop_period_h\": 20");
     let (_, legs) = books_close(folder.path(), "long", &scene);
     assert!(legs.len() >= 300, "{}", legs.len());
 }

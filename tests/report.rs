@@ -235,9 +235,11 @@ fn several_runs_share_figures_with_their_names() {
     assert_eq!(report(&runs[0], &[runs[1].to_str().unwrap()]).status.code(), Some(2));
     let output = report(&runs[0], &[runs[1].to_str().unwrap(), "--out", out.to_str().unwrap(), "--json"]);
     let value: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-    assert!(value["page"].is_null() && !out.join("index.html").exists());
+    let page = std::fs::read_to_string(value["page"].as_str().unwrap()).unwrap();
+    assert!(page.contains("second&lt;&amp;&gt;") && page.contains("figures/together.csv") && !page.contains("<canvas"));
     let figures = value["figures"].as_array().unwrap();
-    assert_eq!(figures.len(), 4);
+    assert_eq!(figures.len(), 5);
+    assert_eq!(figures[0]["name"], "together");
     for figure in figures {
         let svg = std::fs::read_to_string(figure["svg"].as_str().unwrap()).unwrap();
         assert!(svg.contains("first") && svg.contains("second&lt;&amp;&gt;"), "{}", figure["name"]);

@@ -56,9 +56,11 @@ class Timeline {
         squares += (value - this.position[3 * sphere + k]) ** 2;
         this.position[3 * sphere + k] = value;
       }
-      if (this.here[sphere]) { this.moved[sphere] = 1; this.step[sphere] = Math.sqrt(squares); }
+      if (this.here[sphere]) this.step[sphere] = Math.sqrt(squares);
       this.here[sphere] = 1;
     }
+    // A surface follows smaller shifts too; what counts as moved is what the run recorded so.
+    for (const sphere of frame.moved) this.moved[sphere] = 1;
     for (let i = 0; i < vertices.numbers.length; i++) {
       const vertex = vertices.numbers[i];
       for (let k = 0; k < 3; k++) this.vertex[3 * vertex + k] = vertices.points[3 * i + k] * unit;

@@ -71,7 +71,7 @@ class View3d {
   }
 
   // Longitude and latitude of the eye, degrees; half the height of what is seen, m.
-  static standard(reach) { return { longitude: -60, latitude: 25, half: reach * 1.02 }; }
+  static standard(reach) { return { longitude: -60, latitude: 25, half: reach * 1.3 }; }
 
   start() {
     const gl = this.canvas.getContext("webgl2", { antialias: true, alpha: false });

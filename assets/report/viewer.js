@@ -3,6 +3,7 @@
 
 // Viridis, nine stops: equal steps look equal, to colour-blind eyes too.
 const RAMP = ["#440154", "#472d7b", "#3b528b", "#2c728e", "#21918c", "#28ae80", "#5ec962", "#addc30", "#fde725"];
+const SUN = [224, 168, 0];
 const FATES = { escape: "#d6336c", reimpact: "#9c36b5", bound: "#1c7ed6", merged: "#2b8a3e", "": "#868e96" };
 
 const rgb = hex => [1, 3, 5].map(i => parseInt(hex.slice(i, i + 2), 16));
@@ -180,12 +181,35 @@ class Viewer {
     const line = (from, to, colour) => { points.push(...from, ...to); colours.push(...colour, ...colour); };
     if (controls.axes.checked) {
       for (let k = 0; k < 3; k++) line([0, 0, 0], [0, 1, 2].map(i => i === k ? this.extent[k] + 0.1 * reach : 0), this.ink);
+      const tip = [0, 0, this.extent[2] + 0.22 * reach];
+      line([0, 0, this.extent[2]], tip, this.ink);
+      this.arrowHead(line, tip, [0, 0, 1], this.ink);
+      const sun = this.sunward(), at = far => sun.map(v => v * far * reach);
+      line(at(1.35), at(1.1), SUN);
+      this.arrowHead(line, at(1.1), sun.map(v => -v), SUN);
     }
     for (const loss of controls.shed.checked ? this.lossesHere() : []) {
       const colour = rgb(FATES[loss.fate] ?? FATES[""]);
       for (let i = 1; i < loss.path.length; i++) line(loss.path[i - 1], loss.path[i], colour);
     }
     view.setLines(new Float32Array(points), new Uint8Array(colours));
+  }
+
+  // Four strokes that end in `tip`, along the unit vector `along`.
+  arrowHead(line, tip, along, colour) {
+    const size = 0.05 * this.data.reach, across = Math.abs(along[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0];
+    const cross = (a, b) => [0, 1, 2].map(i => a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3]);
+    const unit = v => v.map(x => x / Math.hypot(...v)), side = unit(cross(along, across)), other = cross(along, side);
+    for (const [v, sign] of [[side, 1], [side, -1], [other, 1], [other, -1]]) {
+      line(tip, tip.map((t, i) => t - size * (2 * along[i] - sign * 0.8 * v[i])), colour);
+    }
+  }
+
+  // Unit vector to the Sun at the northern solstice: its latitude is then the obliquity, or what is left of it to 180 degrees.
+  sunward() {
+    const obliquity = this.data.frames[this.timeline.at].obliquity_deg, latitude = Math.min(obliquity, 180 - obliquity);
+    const angle = latitude * Math.PI / 180;
+    return [Math.cos(angle), 0, Math.sin(angle)];
   }
 
   describe(frame) {
@@ -207,8 +231,10 @@ class Viewer {
   // Names of the axes and a bar of round length.
   annotate() {
     const { view, labels, text, controls } = this;
+    const { reach } = this.data, beyond = k => this.extent[k] + (k === 2 ? 0.29 : 0.15) * reach;
     labels.forEach((label, k) => {
-      const [x, y] = view.place([0, 1, 2].map(i => i === k ? this.extent[k] + 0.15 * this.data.reach : 0));
+      const at = k === 3 ? this.sunward().map(v => 1.43 * reach * v) : [0, 1, 2].map(i => i === k ? beyond(k) : 0);
+      const [x, y] = view.place(at);
       label.style.transform = `translate(${x}px, ${y}px) translate(-50%, -50%)`;
       label.hidden = !controls.axes.checked;
     });

@@ -14,6 +14,10 @@ pub struct Criteria {
     /// A change of obliquity over an interval smaller than this has no sign, deg \[0.01\]: far less than a leg of 0.5 %
     /// in spin turns the axis, more than the integration's error.
     pub no_obliquity_change_deg: f64,
+    /// Reversals that a stochastic evolution has at least \[2\]: one is chance.
+    pub stochastic_reversals: usize,
+    /// Intervals that it has at least \[5\].
+    pub stochastic_intervals: usize,
     /// Intervals in a row that must alternate to be self-governed \[6\]: three round trips; by chance one series in 32 of
     /// six random signs does, but its shapes do not recur.
     pub self_governed_intervals: usize,
@@ -50,6 +54,8 @@ impl Default for Criteria {
         Self {
             no_spin_change: 1e-4,
             no_obliquity_change_deg: 0.01,
+            stochastic_reversals: 2,
+            stochastic_intervals: 5,
             self_governed_intervals: 6,
             self_governed_spin_range: 0.03,
             self_governed_obliquity_range_deg: 5.0,

@@ -26,6 +26,9 @@ pub enum Kind {
     /// The body broke up.
     #[serde(rename = "F")]
     Fission,
+    /// It has turned, but not often enough in enough intervals to be called stochastic, nor as a cycle does.
+    #[serde(rename = "too short to say")]
+    TooShort,
 }
 
 impl Kind {
@@ -37,6 +40,7 @@ impl Kind {
             Self::SelfGoverned => "SG",
             Self::Stagnating => "Stg",
             Self::Fission => "F",
+            Self::TooShort => "too short to say",
         }
     }
 }
@@ -127,7 +131,7 @@ pub fn classify_quantity(
     let run_myr = [first.t_s[0] / MYR_S, last.t_s[1] / MYR_S];
     let governed = self_governed(quantity, &steps, &mut alike, criteria);
     let mut stretches: Vec<Stretch> = governed.iter().map(|g| g.stretch.clone()).collect();
-    stretches.extend(base(quantity, &steps, &governed));
+    stretches.extend(base(quantity, &steps, &governed, criteria));
     stretches.extend(stagnating(quantity, course, criteria, run_myr));
     if course.broke_up {
         let why = "a piece of at least a tenth of the mass left the body".to_owned();
@@ -139,6 +143,9 @@ pub fn classify_quantity(
         if !kinds.contains(&stretch.kind) {
             kinds.push(stretch.kind);
         }
+    }
+    if kinds.len() > 1 {
+        kinds.retain(|kind| *kind != Kind::TooShort);
     }
     // A break-up ends the run, whatever begins at the same moment.
     kinds.sort_by_key(|kind| *kind == Kind::Fission);
@@ -256,7 +263,7 @@ fn mean(steps: &[Step]) -> f64 {
 }
 
 /// What is not self-governed follows a cycle or is stochastic.
-fn base(quantity: Quantity, steps: &[Step], governed: &[Governed]) -> Option<Stretch> {
+fn base(quantity: Quantity, steps: &[Step], governed: &[Governed], criteria: &Criteria) -> Option<Stretch> {
     let mut free: Vec<&[Step]> = Vec::new();
     let mut start = 0;
     for g in governed {
@@ -277,7 +284,13 @@ fn base(quantity: Quantity, steps: &[Step], governed: &[Governed]) -> Option<Str
         _ => {
             let intervals: usize = free.iter().map(|part| part.len()).sum();
             let times = if turns == 1 { "once".to_owned() } else { format!("{turns} times") };
-            (Kind::Stochastic, format!("it turns {times} in {intervals} intervals"))
+            let turned = format!("it turns {times} in {intervals} intervals");
+            let (reversals, fewest) = (criteria.stochastic_reversals, criteria.stochastic_intervals);
+            if turns >= reversals && intervals >= fewest {
+                (Kind::Stochastic, turned)
+            } else {
+                (Kind::TooShort, format!("{turned}; stochastic takes {reversals} reversals in {fewest} intervals"))
+            }
         }
     };
     Some(Stretch { kind, from_myr: first.t_myr[0], to_myr: last.t_myr[1], why })

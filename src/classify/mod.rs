@@ -58,7 +58,7 @@ pub struct RunClassification {
     /// Type of the obliquity evolution.
     pub obliquity: Verdict,
     /// Whether the spin is something else than a modified YORP cycle: what the paper counts as two thirds of its bodies.
-    /// `None` before anything has evolved.
+    /// `None` before anything has evolved, and where it is too short to say.
     pub self_limited: Option<bool>,
     /// Spin and obliquity over the run; `None` before it has evolved.
     pub aggregate: Option<AggregateRange>,
@@ -147,7 +147,7 @@ pub fn classify(run: &RunData, criteria: &Criteria) -> Result<RunClassification,
         outcome: run.ending.map(|ending| ending.outcome.name()),
         t_myr: segments.last().map_or(0.0, |s| s.t_s[1] / MYR_S),
         spheres: run.sphere_mass_kg.len(),
-        self_limited: (!spin.label.is_empty()).then(|| !spin.has(Kind::ModifiedCycle)),
+        self_limited: (!spin.label.is_empty() && !spin.has(Kind::TooShort)).then(|| !spin.has(Kind::ModifiedCycle)),
         spin,
         obliquity,
         aggregate: AggregateRange::of(&segments),

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::{CliError, Failure, output, progress};
 use crate::exchange::{WriteError, write_whole};
 use crate::report::figures::{FigureError, Missing, Plot, SaveError, of_run, of_runs, save, svg};
-use crate::report::page::{Extras, Picture, page};
+use crate::report::page::{Extras, Picture, page, page_of_several};
 use crate::report::{RunData, Watched, watch};
 use crate::store::Outcome;
 
@@ -18,7 +18,7 @@ const LOOK_EVERY_S: u32 = 3;
 /// Arguments of `yorp report`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
-    /// The run directory; with several, the figures that put runs together, without a page
+    /// The run directory; with several, a page and figures that put runs together
     #[arg(required = true, value_name = "DIR")]
     runs: Vec<PathBuf>,
     /// Where the report goes; needed with several runs [default: DIR/report]
@@ -58,11 +58,18 @@ pub(super) fn run(arguments: &Arguments, as_json: bool) -> Result<(), CliError> 
     }
 }
 
-/// The figures of several runs together.
+/// The page and figures of several runs together.
 fn several(directories: &[PathBuf], folder: &Path, as_json: bool) -> Result<(), CliError> {
     let runs = directories.iter().map(|run| RunData::read(run)).collect::<Result<Vec<_>, _>>()?;
+    create(folder)?;
+    let file = folder.join("index.html");
+    let text = page_of_several(&runs, &extras(of_runs(&runs), None).map_err(SaveError::from)?);
+    write_whole(&file, text.as_bytes())?;
     let figures = Figures::save(of_runs(&runs), folder)?;
-    if as_json { output::json(&figures.as_value(None)) } else { output::text(&figures.as_text()) }
+    match as_json {
+        true => output::json(&figures.as_value(Some(&file))),
+        false => output::text(&format!("{}\n{}", file.display(), figures.as_text())),
+    }
 }
 
 fn create(folder: &Path) -> Result<(), CliError> {
@@ -73,7 +80,7 @@ fn create(folder: &Path) -> Result<(), CliError> {
 /// Figures as files, and those that are not there.
 struct Figures {
     folder: PathBuf,
-    drawn: Vec<([PathBuf; 2], Plot)>,
+    drawn: Vec<([PathBuf; 3], Plot)>,
     left_out: Vec<Missing>,
 }
 
@@ -93,7 +100,7 @@ impl Figures {
     }
 
     fn as_value(&self, page: Option<&Path>) -> Value {
-        let figure = |([svg, png], plot): &([PathBuf; 2], Plot)| json!({"name": plot.name, "title": plot.title, "caption": plot.caption, "svg": svg, "png": png});
+        let figure = |([svg, png, csv], plot): &([PathBuf; 3], Plot)| json!({"name": plot.name, "title": plot.title, "caption": plot.caption, "svg": svg, "png": png, "csv": csv});
         let left_out = |m: &Missing| json!({"name": m.name, "title": m.title, "reason": m.reason});
         json!({
             "page": page,
@@ -105,20 +112,21 @@ impl Figures {
     fn as_text(&self) -> String {
         let mut lines: Vec<String> = Vec::new();
         lines.extend(self.left_out.iter().map(|m| format!("no figure \"{}\": {}", m.title, m.reason)));
-        lines.push(format!("{} figures as SVG and PNG in {}", self.drawn.len(), self.folder.display()));
+        lines.push(format!("{} figures as SVG, PNG and CSV in {}", self.drawn.len(), self.folder.display()));
         lines.join("\n") + "\n"
     }
 }
 
 /// What stands in the page besides the run: its figures.
-fn extras(run: &RunData, fresh_every_s: Option<u32>) -> Result<Extras, FigureError> {
+fn extras(plots: Vec<Result<Plot, Missing>>, fresh_every_s: Option<u32>) -> Result<Extras, FigureError> {
     let mut extras = Extras { fresh_every_s, ..Extras::default() };
-    for plot in of_run(run) {
+    for plot in plots {
         match plot {
             Ok(plot) => {
-                extras.pictures.push(Picture { svg: svg(&plot)?, title: plot.title, caption: plot.caption });
+                let (name, svg) = (plot.name, svg(&plot)?);
+                extras.pictures.push(Picture { name, svg, title: plot.title, caption: plot.caption });
             }
-            Err(missing) => extras.left_out.push((missing.title.into(), missing.reason.into())),
+            Err(missing) => extras.left_out.push((missing.title.into(), missing.reason)),
         }
     }
     Ok(extras)
@@ -158,7 +166,7 @@ fn standing(run: &RunData) -> String {
 /// Writes the page, whole or not at all.
 fn write(run: &RunData, folder: &Path, fresh_every_s: Option<u32>) -> Result<PathBuf, CliError> {
     let file = folder.join("index.html");
-    let text = page(run, &extras(run, fresh_every_s).map_err(SaveError::from)?);
+    let text = page(run, &extras(of_run(run), fresh_every_s).map_err(SaveError::from)?);
     write_whole(&file, text.as_bytes())?;
     Ok(file)
 }

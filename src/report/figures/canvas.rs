@@ -104,6 +104,13 @@ impl<'a, B: DrawingBackend> Canvas<'a, B> {
         self.area.draw(&Rectangle::new(corners, Self::style(colour).filled())).map_err(failed)
     }
 
+    /// The area within `corners`, in a light tint of `colour`.
+    pub(super) fn area(&self, corners: &[Point], colour: Colour) -> Result<(), FigureError> {
+        let tint = colour.map(|c| (0.3 * f64::from(c) + 0.7 * 255.0).round() as u8);
+        let dots: Vec<_> = corners.iter().map(|c| self.dot(*c)).collect();
+        self.area.draw(&Polygon::new(dots, Self::style(tint).filled())).map_err(failed)
+    }
+
     /// A mark around a point.
     pub(super) fn mark(&self, at: Point, mark: Mark, radius: f64, colour: Colour) -> Result<(), FigureError> {
         let corner = |x: f64, y: f64| [at[0] + radius * x, at[1] + radius * y];

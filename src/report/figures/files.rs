@@ -1,4 +1,4 @@
-//! Figures as files: SVG for papers and pages, PNG for everything else.
+//! Figures as files: SVG for papers and pages, PNG for everything else, and the points that are drawn as CSV.
 
 use std::path::{Path, PathBuf};
 
@@ -21,15 +21,34 @@ pub enum SaveError {
     Write(#[from] WriteError),
 }
 
-/// Writes the figure into an existing folder as SVG and as PNG; the two files.
+/// Endings of the files of a figure.
+pub const ENDINGS: [&str; 3] = ["svg", "png", "csv"];
+
+/// Writes the figure into an existing folder as SVG and as PNG, and what it draws as CSV; the three files.
 ///
 /// # Errors
 /// It cannot be drawn or written; files that were there before are unchanged then.
-pub fn save(plot: &Plot, folder: &Path) -> Result<[PathBuf; 2], SaveError> {
-    let files = ["svg", "png"].map(|ending| folder.join(plot.name).with_extension(ending));
+pub fn save(plot: &Plot, folder: &Path) -> Result<[PathBuf; 3], SaveError> {
+    let files = ENDINGS.map(|ending| folder.join(plot.name).with_extension(ending));
     write_whole(&files[0], svg(plot)?.as_bytes())?;
     write_png(plot, &files[1])?;
+    write_whole(&files[2], points(plot).as_bytes())?;
     Ok(files)
+}
+
+/// All points, with the quantities of their axes and the number of what they belong to: a curve, or a set of marks.
+fn points(plot: &Plot) -> String {
+    let quoted = |words: &str| format!("\"{}\"", words.replace('"', "\"\""));
+    let mut text = String::from("panel,x_quantity,y_quantity,series,x,y\n");
+    for (number, panel) in plot.rows.iter().flatten().enumerate() {
+        let [x, y] = [&panel.x, &panel.y].map(|axis| quoted(&axis.label));
+        for (series, layer) in panel.layers.iter().enumerate() {
+            for [a, b] in &layer.points {
+                text.push_str(&format!("{number},{x},{y},{series},{a},{b}\n"));
+            }
+        }
+    }
+    text
 }
 
 fn write_png(plot: &Plot, file: &Path) -> Result<(), SaveError> {

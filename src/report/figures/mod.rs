@@ -17,11 +17,12 @@ mod series;
 mod shape;
 mod spin;
 mod ticks;
+mod together;
 mod torque;
 mod walk;
 
 pub use canvas::FigureError;
-pub use files::{SaveError, save};
+pub use files::{ENDINGS, SaveError, save};
 pub use palette::{Colour, distinct, sequential};
 pub use plot::{Axis, ColourBar, Kind, Layer, LegendEntry, Mark, Missing, Panel, Plot, Scale};
 pub use render::svg;
@@ -45,5 +46,5 @@ pub fn of_run(run: &RunData) -> Vec<Result<Plot, Missing>> {
 
 /// The figures that put several runs together, as the paper does.
 pub fn of_runs(runs: &[RunData]) -> Vec<Result<Plot, Missing>> {
-    vec![shape::plot(runs), movement::plot(runs), loss::plot(runs), walk::plot(runs)]
+    vec![together::plot(runs), shape::plot(runs), movement::plot(runs), loss::plot(runs), walk::plot(runs)]
 }

@@ -4,7 +4,7 @@
 
 use super::palette::GREY;
 use super::plot::{Axis, Kind, Layer, LegendEntry, Missing, Panel, Plot};
-use super::series::{RunStyle, legend};
+use super::series::{RunStyle, legend, too_short};
 use crate::report::RunData;
 
 const NAME: &str = "movements";
@@ -13,7 +13,7 @@ const TITLE: &str = "Movements against depth";
 /// The figure of one or several runs.
 ///
 /// # Errors
-/// No sphere has moved in any of them.
+/// Too few intervals have been closed by movements.
 pub fn plot(runs: &[RunData]) -> Result<Plot, Missing> {
     let depths = |run: &RunData| {
         let mut depths: Vec<f64> = run.movements.iter().flatten().map(|m| m.enclosed_mass_fraction).collect();
@@ -38,8 +38,8 @@ pub fn plot(runs: &[RunData]) -> Result<Plot, Missing> {
         }
         drawn.push((run, Kind::Marks(style.mark, 4.0), style.colour));
     }
-    if drawn.is_empty() {
-        return Err(Missing::new(NAME, TITLE, "no sphere has moved yet"));
+    if let Some(reason) = too_short(runs) {
+        return Err(Missing::new(NAME, TITLE, reason));
     }
     let even = LegendEntry { label: "equally mobile".into(), kind: Kind::Dashed(1.2), colour: GREY };
     let count: usize = runs.iter().flat_map(|run| &run.movements).map(Vec::len).sum();

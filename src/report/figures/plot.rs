@@ -29,7 +29,7 @@ pub struct Missing {
     /// What it would show.
     pub title: &'static str,
     /// Why there is none.
-    pub reason: &'static str,
+    pub reason: String,
 }
 
 /// Two axes and what lies between them.
@@ -87,6 +87,8 @@ pub enum Kind {
     Dashed(f64),
     /// As marks of this radius, px.
     Marks(Mark, f64),
+    /// As the area that they run around, in a light tint.
+    Band,
     /// As horizontal bars from the left end of the axis.
     Bars,
 }
@@ -196,7 +198,7 @@ impl Layer {
 
 impl Missing {
     /// Why `name` is left out.
-    pub fn new(name: &'static str, title: &'static str, reason: &'static str) -> Self {
-        Self { name, title, reason }
+    pub fn new(name: &'static str, title: &'static str, reason: impl Into<String>) -> Self {
+        Self { name, title, reason: reason.into() }
     }
 }

@@ -261,6 +261,11 @@ fn draw_layer<B: DrawingBackend>(
                 canvas.mark(frame.at(at), mark, radius, layer.colour)?;
             }
         }
+        Kind::Band => {
+            let corners: Vec<_> = layer.points.iter().filter_map(place).map(|p| p.map(|v| v.clamp(0.0, 1.0))).collect();
+            let points: Vec<_> = corners.into_iter().map(|p| frame.at(p)).collect();
+            canvas.area(&points, layer.colour)?;
+        }
         Kind::Bars => {
             let rows = (panel.y.range[1] - panel.y.range[0]).abs();
             for [x, y] in layer.points.iter().filter_map(place) {
@@ -353,6 +358,8 @@ fn draw_legend<B: DrawingBackend>(
                 Kind::Dashed(width) => canvas.dashed(&[[x, y], [x + 28.0, y]], width, entry.colour)?,
                 Kind::Marks(mark, radius) => canvas.mark([x + 18.0, y], mark, radius.max(3.5), entry.colour)?,
                 Kind::Bars => canvas.mark([x + 18.0, y], Mark::Square, 6.0, entry.colour)?,
+                Kind::Band => canvas
+                    .area(&[[x, y - 5.0], [x + 28.0, y - 5.0], [x + 28.0, y + 5.0], [x, y + 5.0]], entry.colour)?,
             }
             canvas.text(&entry.label, [x + 34.0, y], Anchor::Left, TICK_TEXT)?;
             x += legend_width(entry);

@@ -4,6 +4,19 @@ use super::palette::{BLUE, Colour, distinct};
 use super::plot::{Kind, LegendEntry, Mark};
 use crate::report::RunData;
 
+/// Intervals that statistics take at least, closed by movements, over all runs drawn.
+pub(super) const FEWEST_INTERVALS: usize = 5;
+
+/// Why statistics of `runs` would say nothing yet; `None` where there are intervals enough.
+pub(super) fn too_short(runs: &[RunData]) -> Option<String> {
+    let closed: usize = runs.iter().map(|run| run.intervals.len()).sum();
+    (closed < FEWEST_INTERVALS).then(|| {
+        format!(
+            "too short to say: {closed} of the {FEWEST_INTERVALS} intervals closed by movements that statistics take"
+        )
+    })
+}
+
 /// Longest name in a legend, characters.
 const LONGEST_NAME: usize = 28;
 

@@ -4,7 +4,7 @@
 
 use super::palette::BLACK;
 use super::plot::{Axis, Kind, Layer, Missing, Panel, Plot};
-use super::series::{RunStyle, legend};
+use super::series::{RunStyle, legend, too_short};
 use crate::classify::{Interval, Walk, closed_intervals, segments};
 use crate::report::RunData;
 
@@ -14,7 +14,7 @@ const TITLE: &str = "Random walk";
 /// The figure of one or several runs.
 ///
 /// # Errors
-/// Two intervals must have been closed by movements.
+/// Too few intervals have been closed by movements.
 pub fn plot(runs: &[RunData]) -> Result<Plot, Missing> {
     let walks: Vec<Walk> = runs.iter().map(|run| Walk::of(&closed_intervals(run, &segments(run)))).collect();
     let panel = |label: &str, of: fn(&Interval) -> Option<f64>| {
@@ -32,8 +32,8 @@ pub fn plot(runs: &[RunData]) -> Result<Plot, Missing> {
         }
         Panel { x, y, layers }
     };
-    if !walks.iter().flat_map(|w| &w.intervals).any(|i| i.alpha_s.is_some() || i.zeta_s.is_some()) {
-        return Err(Missing::new(NAME, TITLE, "no two intervals have been closed by movements yet"));
+    if let Some(reason) = too_short(runs) {
+        return Err(Missing::new(NAME, TITLE, reason));
     }
     let drawn: Vec<_> = runs
         .iter()

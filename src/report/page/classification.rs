@@ -36,13 +36,15 @@ fn label(verdict: &Verdict) -> String {
 
 /// The abbreviations of a label in words.
 fn meaning(verdict: &Verdict) -> String {
-    let all = [Kind::ModifiedCycle, Kind::Stochastic, Kind::SelfGoverned, Kind::Stagnating, Kind::Fission];
+    let all =
+        [Kind::ModifiedCycle, Kind::Stochastic, Kind::SelfGoverned, Kind::Stagnating, Kind::Fission, Kind::TooShort];
     let words = all.into_iter().filter(|kind| verdict.has(*kind)).map(|kind| match kind {
         Kind::ModifiedCycle => "modified YORP cycle",
         Kind::Stochastic => "stochastic",
         Kind::SelfGoverned => "self-governed",
         Kind::Stagnating => "stagnating",
         Kind::Fission => "broke up",
+        Kind::TooShort => "see why below",
     });
     let reversals = match verdict.reversals {
         0 => "never turns".to_owned(),

@@ -8,6 +8,7 @@ mod html;
 mod path;
 mod points;
 mod scene;
+mod several;
 mod summary;
 mod tables;
 mod view;
@@ -30,6 +31,8 @@ const VIEWER: &str = include_str!("../../../assets/report/viewer.js");
 /// A figure as the page shows it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Picture {
+    /// Name of its files in the folder `figures`, without ending.
+    pub name: &'static str,
     /// What it shows, as a headline.
     pub title: String,
     /// What to see in it.
@@ -53,6 +56,23 @@ pub struct Extras {
 pub fn page(run: &RunData, extras: &Extras) -> String {
     let view = View::of(run);
     let title = Html::text(if run.scene.name.is_empty() { "a run without a name" } else { &run.scene.name });
+    fill_page(&title, body(run, extras, view.as_ref(), &title), extras, true)
+}
+
+/// The page that puts several runs together.
+pub fn page_of_several(runs: &[RunData], extras: &Extras) -> String {
+    let title = Html::text(&format!("{} runs", runs.len()));
+    let sections = [
+        section("figures", "Figures", pictures(extras)),
+        section("runs", "The runs", Some(several::runs(runs).to_string())),
+    ];
+    let body = framed(&title, "", &sections.into_iter().flatten().collect::<Vec<_>>(), &foot(&program_version(), None));
+    fill_page(&title, body, extras, false)
+}
+
+/// The template with this body; without a view it has no scripts.
+fn fill_page(title: &Html, body: String, extras: &Extras, with_view: bool) -> String {
+    let script = |text: &str| if with_view { text.to_owned() } else { String::new() };
     let fill = |slot: &str| match slot {
         "title" => title.to_string(),
         "version" => Html::text(env!("CARGO_PKG_VERSION")).to_string(),
@@ -61,10 +81,10 @@ pub fn page(run: &RunData, extras: &Extras) -> String {
             .fresh_every_s
             .map_or(String::new(), |s| format!("<noscript><meta http-equiv=\"refresh\" content=\"{s}\"></noscript>\n")),
         "style" => STYLE.to_owned(),
-        "body" => body(run, extras, view.as_ref(), &title),
-        "view3d" => VIEW3D.to_owned(),
-        "timeline" => TIMELINE.to_owned(),
-        "viewer" => VIEWER.to_owned(),
+        "body" => body.clone(),
+        "view3d" => script(VIEW3D),
+        "timeline" => script(TIMELINE),
+        "viewer" => script(VIEWER),
         _ => unreachable!("the template has no other slot"),
     };
     filled(TEMPLATE, fill)
@@ -89,12 +109,19 @@ struct Section {
     content: String,
 }
 
+fn section(id: &'static str, title: &'static str, content: Option<String>) -> Option<Section> {
+    content.map(|content| Section { id, title, content })
+}
+
 fn body(run: &RunData, extras: &Extras, view: Option<&View>, title: &Html) -> String {
-    let section = |id, title, content: Option<String>| content.map(|content| Section { id, title, content });
     let sections: Vec<Section> = [
         section("type", "Type of evolution", classification::classification(run).map(|t| t.to_string())),
         section("scene", "Scene and plan", Some(scene_and_plan(run))),
-        section("body", "The body through time", view.map(viewer)),
+        section(
+            "body",
+            "The body through time",
+            view.map(|view| viewer(view, run.scene.evolution.movement_radius_fraction)),
+        ),
         section("figures", "Figures", pictures(extras)),
         section("intervals", "Intervals between movements", tables::intervals(run).map(|t| t.to_string())),
         section("shed", "Shed mass", shed(run)),
@@ -104,22 +131,50 @@ fn body(run: &RunData, extras: &Extras, view: Option<&View>, title: &Html) -> St
     .into_iter()
     .flatten()
     .collect();
-    let mut text = format!("<header>\n<h1>{title}</h1>\n");
-    let version = Html::text(&run.version);
-    let _ = writeln!(text, "<p class=\"quiet\">A run of yorp {version}. Times are evolution times.</p>\n<nav><ul>");
-    for Section { id, title, .. } in &sections {
-        let _ = writeln!(text, "<li><a href=\"#{id}\">{title}</a></li>");
-    }
-    text.push_str("</ul></nav>\n</header>\n<main>\n");
-    text.push_str(summary::summary(run).as_str());
-    for Section { id, title, content } in &sections {
-        let _ = write!(text, "<section id=\"{id}\">\n<h2>{title}</h2>\n{content}</section>\n");
-    }
-    text.push_str("</main>");
+    let mut text = framed(title, summary::summary(run).as_str(), &sections, &foot(&run.version, Some(run)));
     if let Some(view) = view {
         let _ =
             write!(text, "\n<script type=\"application/json\" id=\"run-data\">{}</script>", html::script_json(view));
     }
+    text
+}
+
+/// Headline, contents, the `summary` and the sections, and the `foot` of a page.
+fn framed(title: &Html, summary: &str, sections: &[Section], foot: &str) -> String {
+    let mut text = format!("<header>\n<h1>{title}</h1>\n</header>\n<nav aria-label=\"contents\"><ul>\n");
+    for Section { id, title, .. } in sections {
+        let _ = writeln!(text, "<li><a href=\"#{id}\">{title}</a></li>");
+    }
+    let _ = writeln!(text, "</ul></nav>\n<main>\n{summary}");
+    for Section { id, title, content } in sections {
+        let _ = write!(text, "<section id=\"{id}\">\n<h2>{title}</h2>\n{content}</section>\n");
+    }
+    let _ = write!(text, "</main>\n<footer>\n{foot}</footer>");
+    text
+}
+
+/// This program's version.
+fn program_version() -> String {
+    env!("CARGO_PKG_VERSION").to_owned()
+}
+
+/// What a reader needs to tell, to have and to cite what the page shows.
+fn foot(version: &str, run: Option<&RunData>) -> String {
+    let [version, drawn_by] = [version, &program_version()].map(Html::text);
+    let mut text = format!("<p>Run by yorp {version}, page drawn by yorp {drawn_by}.");
+    if let Some(run) = run {
+        let directory = Html::text(&run.directory.display().to_string());
+        let _ = write!(
+            text,
+            " Recorded in <code>{directory}/run.sqlite</code>; the scene file as it ran is \
+             <a href=\"../scene.json\"><code>scene.json</code></a> beside it."
+        );
+    }
+    text.push_str(
+        "</p>\n<p>To cite: the yorp developers, yorp: coupled spin and shape of rubble-pile asteroids under the YORP effect, \
+         with the version above; the method is that of Cotto-Figueroa, Statler, Richardson and Tanga (2015), ApJ 803, 25; \
+         shed mass is followed with REBOUND, Rein and Liu (2012), A&amp;A 537, A128.</p>\n",
+    );
     text
 }
 
@@ -136,15 +191,19 @@ fn pictures(extras: &Extras) -> Option<String> {
     if extras.pictures.is_empty() && extras.left_out.is_empty() {
         return None;
     }
-    let mut text = String::new();
+    let mut text = String::from("<div class=\"figures\">\n");
     for picture in &extras.pictures {
         let [title, caption] = [&picture.title, &picture.caption].map(|words| Html::text(words));
         let svg = inline_svg(&picture.svg, &picture.title);
+        let files = links(picture.name, extras);
         let _ = write!(
             text,
-            "<figure class=\"figure\">\n<h3>{title}</h3>\n{svg}\n<figcaption>{caption}</figcaption>\n</figure>\n"
+            "<figure class=\"figure\" id=\"figure-{}\">\n<h3>{title}</h3>\n<div class=\"drawing\" tabindex=\"0\">{svg}</div>\n\
+             <figcaption>{caption}{files}</figcaption>\n</figure>\n",
+            picture.name
         );
     }
+    text.push_str("</div>\n");
     if !extras.left_out.is_empty() {
         text.push_str("<h3>Figures that this run has no data for</h3>\n<ul class=\"quiet\">\n");
         for (name, reason) in &extras.left_out {
@@ -153,6 +212,16 @@ fn pictures(extras: &Extras) -> Option<String> {
         text.push_str("</ul>\n");
     }
     Some(text)
+}
+
+/// Links to the files of a figure; while a run goes on they are not there yet.
+fn links(name: &str, extras: &Extras) -> String {
+    if extras.fresh_every_s.is_some() {
+        return String::new();
+    }
+    let link = |ending: &&str| format!("<a href=\"figures/{name}.{ending}\">{}</a>", ending.to_uppercase());
+    let links: Vec<String> = super::figures::ENDINGS.iter().map(link).collect();
+    format!(" <span class=\"files\">{}</span>", links.join(" "))
 }
 
 fn shed(run: &RunData) -> Option<String> {
@@ -170,7 +239,8 @@ fn costs_and_sessions(run: &RunData) -> String {
 }
 
 /// The canvas with its controls; without scripts a sentence stands in its place.
-fn viewer(view: &View) -> String {
+fn viewer(view: &View, movement_radius_fraction: f64) -> String {
+    let limit = movement_radius_fraction;
     let option = |present: bool, html: &'static str| if present { html } else { "" };
     let thinned = match view.stride {
         0 | 1 => String::new(),
@@ -197,9 +267,10 @@ fn viewer(view: &View) -> String {
          <div id=\"stage\">\n\
          <canvas id=\"view3d\" tabindex=\"0\" role=\"img\" aria-label=\"The body in its principal axes\" \
          aria-describedby=\"view-keys\"></canvas>\n\
-         <div id=\"overlay\" aria-hidden=\"true\"><b>x</b><b>y</b><b>z</b><div id=\"legend\" hidden><span id=\"low\"></span>\
+         <div id=\"overlay\" aria-hidden=\"true\"><b>x</b><b>y</b><b>z, spin</b><b>Sun</b><div id=\"legend\" hidden><span id=\"low\"></span>\
          <i></i><span id=\"high\"></span></div><div id=\"scalebar\"></div></div>\n\
          </div>\n\
+         <div id=\"desk\">\n\
          <div class=\"controls\">\n\
          <button type=\"button\" id=\"play\">Play</button>\n\
          <button type=\"button\" id=\"back\" aria-label=\"previous configuration\">◀</button>\n\
@@ -220,9 +291,11 @@ fn viewer(view: &View) -> String {
          <label{}><input type=\"checkbox\" id=\"shed\" checked autocomplete=\"off\"> spheres that left</label>\n\
          </div>\n\
          <p class=\"quiet\" id=\"view-keys\">Drag to turn, pinch or roll the wheel (after a click) to scale. Keys in the view: \
-         arrows turn, + and − scale, x, y, z look along an axis, 0 resets. Spheres that moved since the shape before have \
-         an orange rim; without spheres, facets that were fitted anew are orange.</p>\n\
-         {losses}{thinned}</div>\n",
+         arrows turn, + and − scale, x, y, z look along an axis, 0 resets. Spheres that moved since the shape before, by \
+         more than {limit} of their radius, have an orange rim; without spheres, facets that were fitted anew are orange. \
+         The arrow along z is the spin; the yellow one comes from the Sun at the solstice of the northern side, the farthest \
+         that it gets from the equator at this obliquity (the body turns below it, so its longitude means nothing).</p>\n\
+         {losses}{thinned}</div>\n</div>\n",
         view.frames() - 1,
         option(!view.is_tiled(), " hidden"),
         option(!view.has_losses(), " hidden"),

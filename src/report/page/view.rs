@@ -66,6 +66,8 @@ struct Frame {
     centre: [f32; 3],
     /// Spheres whose place differs from the shape before, and their places.
     spheres: String,
+    /// Spheres that moved since the shape before, by the limit of the scene.
+    moved: Vec<u32>,
     /// Spheres that the shape before had.
     gone: Vec<u32>,
     vertices: String,
@@ -139,10 +141,14 @@ impl View {
         let mut next = 0;
         for (i, potential) in shown.iter().zip(&potentials) {
             let lost = shapes[next..=*i].iter().flat_map(|shape| lost(run, shape)).collect();
+            let mut moved: Vec<u32> =
+                (next..=*i).flat_map(|k| run.movements.get(k).into_iter().flatten()).map(|m| m.sphere).collect();
+            moved.sort_unstable();
+            moved.dedup();
             next = i + 1;
             let level = |p: &f64| ((p - range[0]) / (range[1] - range[0]) * 255.0).round() as u8;
             let potential = base64(&potential.iter().map(level).collect::<Vec<_>>());
-            frames.push(before.advance(&shapes[*i], steps, wide, potential, lost));
+            frames.push(Frame { moved, ..before.advance(&shapes[*i], steps, wide, potential, lost) });
         }
         let radius = |point: &[f64; 3], shape: &Shape| (Vector3::from(*point) - Vector3::from(shape.centre)).norm();
         let largest = run.sphere_radius_m.iter().fold(0.0_f64, |a, r| a.max(*r));
@@ -358,6 +364,7 @@ impl Before {
             axes: std::array::from_fn(|i| shape.axes[i / 3][i % 3] as f32),
             centre: shape.centre.map(|c| c as f32),
             spheres: encode(&changed, wide),
+            moved: Vec::new(),
             gone,
             vertices: encode(&changed_vertices, wide),
             potential,
