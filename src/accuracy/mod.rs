@@ -160,12 +160,17 @@ pub fn select(part: Option<&str>) -> Result<Vec<&'static dyn Knob>, AccuracyErro
     let Some(name) = part else { return Ok(knobs().into()) };
     let chosen: Vec<_> = knobs().into_iter().filter(|k| [k.about().name, k.about().part].contains(&name)).collect();
     if chosen.is_empty() {
-        let mut known: Vec<_> = knobs().iter().flat_map(|k| [k.about().part, k.about().name]).collect();
-        known.sort_unstable();
-        known.dedup();
-        return Err(AccuracyError::UnknownPart { name: name.to_owned(), known: known.join(", ") });
+        return Err(AccuracyError::UnknownPart { name: name.to_owned(), known: names().join(", ") });
     }
     Ok(chosen)
+}
+
+/// Names of all parts and knobs, sorted.
+pub fn names() -> Vec<&'static str> {
+    let mut known: Vec<_> = knobs().iter().flat_map(|k| [k.about().part, k.about().name]).collect();
+    known.sort_unstable();
+    known.dedup();
+    known
 }
 
 /// Measures knobs; `progress` gets a line of text per point.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use pkd::mass_properties::mass_properties;
 use serde_json::json;
 
-use super::progress::Reporter;
+use super::progress::{Leaves, Reporter};
 use super::{CliError, output};
 use crate::evolve::build::build;
 use crate::exchange::{AggregateFormat, write_aggregate};
@@ -27,7 +27,7 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments, as_json: bool) -> Result<(), CliError> {
     let scene = SceneFile::read(&arguments.scene)?;
     let format = AggregateFormat::of(&arguments.out).map_err(CliError::input)?;
-    let mut reporter = Reporter::start()?;
+    let mut reporter = Reporter::start(Leaves::Nothing)?;
     let built = build(&scene, !arguments.unsettled, &mut reporter)?;
     drop(reporter);
     write_aggregate(&built.spheres, &arguments.out, format).map_err(CliError::write)?;

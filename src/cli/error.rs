@@ -61,6 +61,13 @@ impl CliError {
     }
 }
 
+impl CliError {
+    /// The user has asked to stop.
+    pub(super) fn interrupted() -> Self {
+        Self { code: Failure::Interrupted, report: Report::msg(super::progress::last_words()) }
+    }
+}
+
 impl From<SceneError> for CliError {
     fn from(error: SceneError) -> Self {
         Self { code: Failure::Input, report: Report::new(ShownScene::new(error)) }
@@ -145,6 +152,9 @@ impl From<EvolveError> for CliError {
             | EvolveError::Spin(_) => Failure::Numerical,
             EvolveError::BrokeUpWhileSettling { .. } => Failure::Numerical,
         };
+        if code == Failure::Interrupted {
+            return Self::interrupted();
+        }
         Self::new(code, error)
     }
 }

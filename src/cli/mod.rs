@@ -8,6 +8,7 @@ mod build;
 mod classify;
 pub mod error;
 mod export;
+mod help;
 mod output;
 mod plan;
 mod progress;
@@ -27,13 +28,13 @@ pub use error::{CliError, Failure};
 
 /// Coupled spin and shape evolution of rubble-pile asteroids under sunlight.
 #[derive(Debug, Parser)]
-#[command(name = "yorp", version, arg_required_else_help = true)]
+#[command(name = "yorp", version = crate::VERSION, arg_required_else_help = true)]
 struct Cli {
     /// Worker threads; results do not depend on it [default: RAYON_NUM_THREADS, else all cores]
-    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=4096))]
+    #[arg(long, global = true, help_heading = "Global options", value_name = "N", value_parser = clap::value_parser!(u16).range(1..=4096))]
     threads: Option<u16>,
     /// Print exactly one JSON object on stdout
-    #[arg(long, global = true)]
+    #[arg(long, global = true, help_heading = "Global options")]
     json: bool,
     #[command(subcommand)]
     command: Command,
@@ -67,7 +68,15 @@ enum Command {
     Export(export::Arguments),
     /// Measure error against run time of the numerical knobs
     Accuracy(accuracy::Arguments),
+    /// Print the completions of a shell
+    Completions(help::Completions),
+    /// Write man pages into a folder
+    #[command(hide = true)]
+    Man(help::Man),
 }
+
+const HELP_FOR_LACK_OF_ARGUMENTS: clap::error::ErrorKind =
+    clap::error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand;
 
 /// Runs the command line of this process; the result is its exit code.
 pub fn main() -> u8 {
@@ -75,6 +84,12 @@ pub fn main() -> u8 {
         Ok(cli) => cli,
         Err(error) => {
             // Help and version are no errors and go to stdout; a closed pipe is no failure.
+            if error.kind() == clap::error::ErrorKind::DisplayHelp || error.kind() == HELP_FOR_LACK_OF_ARGUMENTS {
+                // Asked again of the command that knows ranges and examples.
+                let asked = help::command().try_get_matches();
+                let _ = asked.err().unwrap_or(error).print();
+                return if std::env::args_os().len() > 1 { 0 } else { Failure::Input as u8 };
+            }
             let _ = error.print();
             return if error.use_stderr() { Failure::Input as u8 } else { 0 };
         }
@@ -108,6 +123,8 @@ fn execute(cli: &Cli) -> Result<(), CliError> {
         Command::Classify(arguments) => classify::run(arguments, cli.json),
         Command::Export(arguments) => export::run(arguments, cli.json),
         Command::Accuracy(arguments) => accuracy::run(arguments, cli.json),
+        Command::Completions(arguments) => help::completions(arguments),
+        Command::Man(arguments) => help::man(arguments),
     }
 }
 

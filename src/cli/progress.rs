@@ -1,6 +1,7 @@
-//! Progress on stderr: a bar on a terminal, a plain line now and then elsewhere; Ctrl-C asks a run to stop.
+//! Progress on stderr: a bar on a terminal, a plain line now and then elsewhere; Ctrl-C and SIGTERM end the work.
 
 use std::io::IsTerminal as _;
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -11,18 +12,59 @@ use crate::evolve::driver::MYR_S;
 use crate::evolve::{Observer, Progress};
 
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+static LEAVES: OnceLock<Leaves> = OnceLock::new();
 
 /// Time between two plain lines.
 const LINE_EVERY: Duration = Duration::from_secs(10);
 
-/// Takes over Ctrl-C: the first only asks, see [`is_interrupted`]; the second ends the process at once.
-pub(super) fn catch_interrupt() -> Result<(), CliError> {
+/// How long work that has been asked to stop may take to its next safe point. Batch systems kill soon after they have asked.
+const GRACE: Duration = Duration::from_millis(1500);
+
+/// What an end by the user leaves behind.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Leaves {
+    /// A run whose transactions are all on disk.
+    Run,
+    /// Nothing: the result is written at the end.
+    Nothing,
+    /// A page as it was at the last look.
+    Page,
+}
+
+impl Leaves {
+    /// The last words.
+    fn message(self) -> &'static str {
+        match self {
+            Self::Run => "interrupted; what was done until now is saved and --resume goes on",
+            Self::Nothing => "interrupted; nothing was written, and the work begins anew next time",
+            Self::Page => "interrupted; the page shows the run as it was at the last look",
+        }
+    }
+}
+
+/// Takes over Ctrl-C and SIGTERM: the first asks, see [`is_interrupted`], and ends the process itself if the work does not get
+/// to a safe point within [`GRACE`]; the second ends it at once.
+///
+/// That is no worse than a kill, which everything on disk survives: transactions are whole or not there, and other files are
+/// written aside and renamed.
+pub(super) fn catch_interrupt(leaves: Leaves) -> Result<(), CliError> {
+    let _ = LEAVES.set(leaves);
     ctrlc::set_handler(|| {
         if INTERRUPTED.swap(true, Ordering::SeqCst) {
             std::process::exit(130);
         }
+        std::thread::spawn(|| {
+            std::thread::sleep(GRACE);
+            eprintln!("{}", last_words());
+            std::process::exit(130);
+        });
     })
     .map_err(CliError::input)
+}
+
+/// What an interrupted process has to say.
+pub(super) fn last_words() -> &'static str {
+    LEAVES.get().copied().unwrap_or(Leaves::Nothing).message()
 }
 
 /// Whether the user has asked this process to stop.
@@ -39,9 +81,9 @@ pub(super) struct Reporter {
 }
 
 impl Reporter {
-    /// Starts reporting and takes over Ctrl-C: the first ends the run at its next safe point, the second at once.
-    pub(super) fn start() -> Result<Self, CliError> {
-        catch_interrupt()?;
+    /// Starts reporting and takes over Ctrl-C, see [`catch_interrupt`].
+    pub(super) fn start(leaves: Leaves) -> Result<Self, CliError> {
+        catch_interrupt(leaves)?;
         let bar = std::io::stderr().is_terminal().then(|| {
             let style = ProgressStyle::with_template("{bar:24} {percent:>3} % {msg}").expect("a valid template");
             ProgressBar::new(1000).with_style(style)

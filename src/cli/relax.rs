@@ -11,7 +11,7 @@ use pkd::mass_properties::mass_properties;
 use pkd::soft_sphere::{self, Energy, SoftSphereParameters};
 use serde_json::{Value, json};
 
-use super::progress::Reporter;
+use super::progress::{Leaves, Reporter};
 use super::{CliError, arguments as value, output};
 use crate::evolve::engine::{ContactLaw, Work};
 use crate::evolve::relax::{Duration, Relaxed, relax};
@@ -169,7 +169,7 @@ pub(super) fn run(arguments: &Arguments, as_json: bool) -> Result<(), CliError> 
         (_, Some(rotations)) => Duration::Rotations(rotations),
         _ => Duration::UntilSettled,
     };
-    let mut reporter = Reporter::start()?;
+    let mut reporter = Reporter::start(Leaves::Nothing)?;
     let fraction = Evolution::default().movement_radius_fraction;
     let relaxed = relax(&mut spheres, &law, duration, fraction, &mut reporter)?;
     drop(reporter);

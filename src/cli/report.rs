@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 
-use super::{CliError, Failure, output, progress};
+use super::{CliError, output, progress};
 use crate::exchange::{WriteError, write_whole};
 use crate::report::figures::{FigureError, Missing, Plot, SaveError, of_run, of_runs, save, svg};
 use crate::report::page::{Extras, Picture, page, page_of_several};
@@ -43,7 +43,7 @@ pub(super) fn run(arguments: &Arguments, as_json: bool) -> Result<(), CliError> 
         match keep_up(directory, &folder)? {
             (run, written, Watched::Over) => (run, written),
             (_, _, Watched::Stopped) => {
-                return Err(CliError { code: Failure::Interrupted, report: miette::Report::msg("interrupted") });
+                return Err(CliError::interrupted());
             }
         }
     } else {
@@ -139,7 +139,7 @@ fn is_over(run: &RunData) -> bool {
 
 /// Writes the report of a run that goes on, again and again; in the end one that no longer reloads itself.
 fn keep_up(directory: &Path, folder: &Path) -> Result<(RunData, PathBuf, Watched), CliError> {
-    progress::catch_interrupt()?;
+    progress::catch_interrupt(progress::Leaves::Page)?;
     let again = || {
         let run = RunData::read(directory)?;
         let over = is_over(&run);

@@ -7,7 +7,7 @@ use clap::ValueEnum;
 use serde_json::json;
 use taco::{Interpolation, SpinRates, TorqueInterpolant};
 
-use super::progress::Reporter;
+use super::progress::{Leaves, Reporter};
 use super::sunlit_mesh::{SunlitMesh, torque_failed};
 use super::{CliError, arguments as value, output};
 use crate::evolve::build::build;
@@ -168,7 +168,7 @@ fn of_mesh(arguments: &Arguments) -> Result<Rigid, CliError> {
 fn of_scene(path: &Path) -> Result<Rigid, CliError> {
     let file = SceneFile::read(path)?;
     let scene = &file.scene;
-    let mut reporter = Reporter::start()?;
+    let mut reporter = Reporter::start(Leaves::Nothing)?;
     let built = build(&file, true, &mut reporter)?;
     drop(reporter);
     let original = Original::new(scene, &built.spheres)?;

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use serde_json::{Map, Value, json};
 
-use super::progress::Reporter;
+use super::progress::{Leaves, Reporter};
 use super::{CliError, output};
 use crate::evolve::driver::{MYR_S, Summary, run as evolve};
 use crate::report::page::part_error;
@@ -30,7 +30,7 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments, as_json: bool) -> Result<(), CliError> {
     let scene = SceneFile::read(&arguments.scene)?;
-    let mut reporter = Reporter::start()?;
+    let mut reporter = Reporter::start(Leaves::Run)?;
     let result = evolve(&scene, &arguments.out, arguments.resume, arguments.until_myr, &mut reporter);
     drop(reporter);
     let summary = result?;
@@ -151,6 +151,7 @@ fn as_text(summary: &Summary, arguments: &Arguments) -> String {
             total.count
         );
     }
-    let _ = writeln!(text, "\nrecorded in {}", arguments.out.join("run.sqlite").display());
+    let directory = arguments.out.display();
+    let _ = writeln!(text, "\nrecorded in {directory}/run.sqlite; next: yorp report {directory}");
     text
 }

@@ -66,7 +66,7 @@ pub enum EvolveError {
     #[error("the aggregate does not rotate; give it a period or ask for seconds")]
     NoRotation,
     /// The observer asked to stop; whatever was committed stays.
-    #[error("interrupted; what was done until now is saved and --resume goes on")]
+    #[error("interrupted")]
     Interrupted,
 }
 

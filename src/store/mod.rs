@@ -144,7 +144,7 @@ impl RunStore {
         let threads = rayon::current_num_threads() as i64;
         let sql = "INSERT INTO meta_session (started_unix_s, host, threads, version, seconds, cpu_seconds) \
                    VALUES (?1, ?2, ?3, ?4, 0, 0)";
-        let row = (started as i64, host, threads, env!("CARGO_PKG_VERSION"));
+        let row = (started as i64, host, threads, crate::VERSION);
         self.transaction(|tx| tx.execute(sql, row).map(|_| ()))?;
         self.session = self.connection.last_insert_rowid();
         Ok(())

@@ -66,7 +66,7 @@ pub fn page_of_several(runs: &[RunData], extras: &Extras) -> String {
         section("figures", "Figures", pictures(extras)),
         section("runs", "The runs", Some(several::runs(runs).to_string())),
     ];
-    let body = framed(&title, "", &sections.into_iter().flatten().collect::<Vec<_>>(), &foot(&program_version(), None));
+    let body = framed(&title, "", &sections.into_iter().flatten().collect::<Vec<_>>(), &foot(crate::VERSION, None));
     fill_page(&title, body, extras, false)
 }
 
@@ -131,7 +131,12 @@ fn body(run: &RunData, extras: &Extras, view: Option<&View>, title: &Html) -> St
     .into_iter()
     .flatten()
     .collect();
-    let mut text = framed(title, summary::summary(run).as_str(), &sections, &foot(&run.version, Some(run)));
+    let mut text = framed(
+        title,
+        summary::summary(run).as_str(),
+        &sections,
+        &foot(run.sessions.last().map_or(&run.version, |session| &session.version), Some(run)),
+    );
     if let Some(view) = view {
         let _ =
             write!(text, "\n<script type=\"application/json\" id=\"run-data\">{}</script>", html::script_json(view));
@@ -153,14 +158,9 @@ fn framed(title: &Html, summary: &str, sections: &[Section], foot: &str) -> Stri
     text
 }
 
-/// This program's version.
-fn program_version() -> String {
-    env!("CARGO_PKG_VERSION").to_owned()
-}
-
 /// What a reader needs to tell, to have and to cite what the page shows.
 fn foot(version: &str, run: Option<&RunData>) -> String {
-    let [version, drawn_by] = [version, &program_version()].map(Html::text);
+    let [version, drawn_by] = [version, crate::VERSION].map(Html::text);
     let mut text = format!("<p>Run by yorp {version}, page drawn by yorp {drawn_by}.");
     if let Some(run) = run {
         let directory = Html::text(&run.directory.display().to_string());
