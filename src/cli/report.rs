@@ -123,8 +123,8 @@ fn extras(plots: Vec<Result<Plot, Missing>>, fresh_every_s: Option<u32>) -> Resu
     for plot in plots {
         match plot {
             Ok(plot) => {
-                let (name, svg) = (plot.name, svg(&plot)?);
-                extras.pictures.push(Picture { name, svg, title: plot.title, caption: plot.caption });
+                let (name, wide, svg) = (plot.name, plot.rows.iter().any(|row| row.len() > 1), svg(&plot)?);
+                extras.pictures.push(Picture { name, wide, svg, title: plot.title, caption: plot.caption });
             }
             Err(missing) => extras.left_out.push((missing.title.into(), missing.reason)),
         }

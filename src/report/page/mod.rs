@@ -37,6 +37,8 @@ pub struct Picture {
     pub title: String,
     /// What to see in it.
     pub caption: String,
+    /// Whether it needs the whole width of the page.
+    pub wide: bool,
     /// SVG document.
     pub svg: String,
 }
@@ -198,8 +200,9 @@ fn pictures(extras: &Extras) -> Option<String> {
         let files = links(picture.name, extras);
         let _ = write!(
             text,
-            "<figure class=\"figure\" id=\"figure-{}\">\n<h3>{title}</h3>\n<div class=\"drawing\" tabindex=\"0\">{svg}</div>\n\
+            "<figure class=\"figure{}\" id=\"figure-{}\">\n<h3>{title}</h3>\n<div class=\"drawing\" tabindex=\"0\">{svg}</div>\n\
              <figcaption>{caption}{files}</figcaption>\n</figure>\n",
+            if picture.wide { " wide" } else { "" },
             picture.name
         );
     }
