@@ -188,7 +188,11 @@ impl SunlitMesh {
             Unit::M => 1.0,
             Unit::Km => 1000.0,
         };
-        let mesh = read_mesh(file, metres)?;
+        let read = read_mesh(file, metres)?;
+        for remark in read.remarks() {
+            eprintln!("warning: {}: {remark}", file.display());
+        }
+        let mesh = read.mesh;
         let solid = mesh.solid();
         let centred = mesh.translated(solid.centre_of_mass.map(|c| -c));
         let (mesh, moment) = match self.axes {

@@ -40,7 +40,7 @@ fn construct(scene: &SceneFile, observer: &mut dyn Observer) -> Result<Spheres, 
     let mut spheres = match &scene.scene.body {
         Body::PackedEllipsoid(body) => packed(body, &scene.scene, seed, observer)?,
         Body::File(body) => from_file(scene.resolve(&body.path), scene, observer)?,
-        Body::CarvedMesh(body) => carved(body, scene.resolve(&body.path), seed)?,
+        Body::CarvedMesh(body) => carved(body, scene.resolve(&body.path), seed, observer)?,
     };
     to_principal_axes(&mut spheres)?;
     let at_rest = spheres.columns()[3..9].iter().all(|column| column.iter().all(|v| *v == 0.0));
@@ -112,8 +112,12 @@ fn from_file(path: PathBuf, scene: &SceneFile, observer: &mut dyn Observer) -> R
     Ok(spheres)
 }
 
-fn carved(body: &CarvedMesh, path: PathBuf, seed: Seed) -> Result<Spheres, EvolveError> {
-    let mesh = read_mesh(&path, body.unit.metres())?;
+fn carved(body: &CarvedMesh, path: PathBuf, seed: Seed, observer: &mut dyn Observer) -> Result<Spheres, EvolveError> {
+    let read = read_mesh(&path, body.unit.metres())?;
+    for remark in read.remarks() {
+        observer.warn(&format!("{}: {remark}", path.display()));
+    }
+    let mesh = read.mesh;
     let centre = mesh.solid().centre_of_mass;
     let mesh = mesh.translated(centre.map(|c| -c));
     let mut half_widths = [0.0_f64; 3];

@@ -142,7 +142,7 @@ mod tests {
             write_mesh(&mesh, &obj, MeshFormat::Obj).unwrap();
         }
         assert_eq!(read_aggregate(&csv).unwrap(), spheres);
-        assert_eq!(read_mesh(&obj, 1.0).unwrap(), mesh);
+        assert_eq!(read_mesh(&obj, 1.0).unwrap().mesh, mesh);
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
     }
 

@@ -27,7 +27,7 @@ impl Mesh {
         if !vertices.is_empty() {
             return Err(TilingError::PinchedVertices { vertices, facets });
         }
-        let (low, high) = bounds(self.vertices.iter());
+        let (low, high) = bounds(self.facets.iter().flatten().map(|v| &self.vertices[*v as usize]));
         let tolerance = TOUCHING * (Vector3::from(high) - Vector3::from(low)).norm();
         let tree = BoxTree::new(self, tolerance);
         let mut facets = Vec::new();

@@ -51,6 +51,17 @@ pub enum TilingError {
         /// The facets at these edges, ascending.
         facets: Vec<usize>,
     },
+    /// Facets that share no vertices although their corners lie in the same places.
+    #[error(
+        "the facets are not joined: each has corners of its own, {repeated} of the {vertices} vertices stand where another \
+         one does; weld the vertices (merge those in the same place) and export the mesh again"
+    )]
+    Unwelded {
+        /// Vertices that repeat the coordinates of another one.
+        repeated: usize,
+        /// All vertices.
+        vertices: usize,
+    },
     /// Edges with three facets or more.
     #[error("not a surface: {edges} edges have more than two facets, at {}", list("facet", facets))]
     NonManifold {
@@ -71,7 +82,7 @@ pub enum TilingError {
         facets: Vec<usize>,
     },
     /// Vertices at which sheets meet that share nothing else.
-    #[error("self-touching mesh: separate sheets meet at {}, of {}", list("vertex", vertices), list("facet", facets))]
+    #[error("self-touching mesh: separate sheets meet in single vertices ({}), of {}", vertices.len(), list("facet", facets))]
     PinchedVertices {
         /// The vertices, ascending.
         vertices: Vec<usize>,
@@ -93,6 +104,35 @@ pub enum TilingError {
     InsideOut {
         /// Signed volume, m^3.
         volume_m3: f64,
+    },
+    /// A closed shell that is oriented against its place: the outermost outward, voids inward, bodies in voids outward.
+    #[error(
+        "the shell of {} is oriented {}, but must be {}: {}",
+        list("facet", facets),
+        if *depth % 2 == 0 { "inward" } else { "outward" },
+        if *depth % 2 == 0 { "outward" } else { "inward" },
+        match depth {
+            0 => "it lies in no other shell".to_owned(),
+            1 => "it lies in another one, where a void is expected (overlapping solids would count twice)".to_owned(),
+            depth => format!("it lies in {depth} others"),
+        }
+    )]
+    ShellOrientation {
+        /// Number of shells around it.
+        depth: usize,
+        /// Its facets, ascending.
+        facets: Vec<usize>,
+    },
+    /// A solid whose volume or moments of inertia are not finite and positive numbers.
+    #[error(
+        "the solid has a volume of {volume_m3:e} m^3 and a largest moment of inertia over the density of {moment_m5:e} m^5; \
+         both must be finite and above 0 (is the unit of the coordinates right?)"
+    )]
+    NoInertia {
+        /// Volume, m^3.
+        volume_m3: f64,
+        /// Largest principal moment over the density, m^5.
+        moment_m5: f64,
     },
     /// A sphere cannot be triangulated with this number of vertices.
     #[error("a tiling needs between 4 and {} vertices, not {vertices}", u32::MAX / 2)]

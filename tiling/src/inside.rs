@@ -30,6 +30,11 @@ impl Inside {
     /// Those of [`Mesh::check`].
     pub fn new(mesh: Mesh) -> Result<Self, TilingError> {
         mesh.check()?;
+        Ok(Self::of_surface(mesh))
+    }
+
+    /// Prepares a closed surface, whatever its orientation.
+    pub(crate) fn of_surface(mesh: Mesh) -> Self {
         let bound = |axis: usize, start: f64, pick: fn(f64, f64) -> f64| {
             mesh.vertices.iter().map(|v| v[axis]).fold(start, pick)
         };
@@ -48,7 +53,7 @@ impl Inside {
             grid.cells = (grid.cells / 2).max(1);
         }
         grid.fill();
-        Ok(grid)
+        grid
     }
 
     /// The mesh.
@@ -58,10 +63,15 @@ impl Inside {
 
     /// Whether `point` (m) is inside. False for a point that is not finite.
     pub fn contains(&self, point: [f64; 3]) -> bool {
-        let Some([i, j]) = self.cell([point[0], point[1]]) else { return false };
-        let column = j * self.cells + i;
-        let facets = &self.entries[self.starts[column] as usize..self.starts[column + 1] as usize];
-        facets.iter().map(|f| self.crossing(*f as usize, point)).sum::<i32>() > 0
+        self.crossings(point).map(|(_, crossing)| crossing).sum::<i32>() > 0
+    }
+
+    /// The facets that the upward ray from `point` passes, each with +1 where it leaves and -1 where it enters.
+    pub(crate) fn crossings(&self, point: [f64; 3]) -> impl Iterator<Item = (usize, i32)> {
+        let column = self.cell([point[0], point[1]]).map(|[i, j]| j * self.cells + i);
+        let facets = column.map_or(0..0, |c| self.starts[c] as usize..self.starts[c + 1] as usize);
+        let crossing = move |f: &u32| (*f as usize, self.crossing(*f as usize, point));
+        self.entries[facets].iter().map(crossing).filter(|(_, crossing)| *crossing != 0)
     }
 
     /// Column of a point of the xy plane, if it is in the grid.

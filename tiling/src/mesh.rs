@@ -89,6 +89,44 @@ impl Mesh {
         self.mapped(|v| v.map(|c| c * factor))
     }
 
+    /// The mesh without the vertices that no facet uses, and how many these are. Facets keep their numbers and the vertices
+    /// that stay their order.
+    ///
+    /// A stray vertex is no part of the body, but would be of its bounding box.
+    pub fn without_unused_vertices(mut self) -> (Self, usize) {
+        let used = self.used_vertices();
+        let unused = used.iter().filter(|used| !**used).count();
+        if unused > 0 {
+            let mut next = 0_u32;
+            let numbers: Vec<u32> = used
+                .iter()
+                .map(|used| {
+                    let number = next;
+                    next += u32::from(*used);
+                    number
+                })
+                .collect();
+            let mut keep = used.iter();
+            self.vertices.retain(|_| keep.next().is_some_and(|used| *used));
+            // A facet that names a vertex beyond the end still does.
+            let missing = next;
+            let renumber = |v: &mut u32| *v = numbers.get(*v as usize).copied().unwrap_or(missing);
+            self.facets.iter_mut().flatten().for_each(renumber);
+        }
+        (self, unused)
+    }
+
+    /// Of every vertex, whether a facet uses it.
+    pub(crate) fn used_vertices(&self) -> Vec<bool> {
+        let mut used = vec![false; self.vertices.len()];
+        for v in self.facets.iter().flatten() {
+            if let Some(used) = used.get_mut(*v as usize) {
+                *used = true;
+            }
+        }
+        used
+    }
+
     fn mapped(&self, map: impl Fn([f64; 3]) -> [f64; 3]) -> Self {
         Self { vertices: self.vertices.iter().map(|v| map(*v)).collect(), facets: self.facets.clone() }
     }
@@ -116,6 +154,21 @@ pub(crate) mod tests {
         assert_eq!(mesh.areas()[0], 1.0);
         let c = mesh.centroids()[0];
         assert!((c[0] - 1.0 / 3.0).abs() < 1e-15 && (c[1] - 4.0 / 3.0).abs() < 1e-15 && c[2] == 0.0);
+    }
+
+    #[test]
+    fn vertices_that_no_facet_uses_are_dropped_and_change_no_integral() {
+        let plain = cuboid(1.0, 2.0, 4.0);
+        let mut stray = plain.clone();
+        for (place, far) in [(0, 1e6), (4, -1e9), (10, 3.0)] {
+            stray.vertices.insert(place, [far, far, -far]);
+            stray.facets.iter_mut().flatten().for_each(|v| *v += u32::from(*v >= place as u32));
+        }
+        let solid = stray.solid();
+        assert_eq!(solid, plain.solid());
+        assert_eq!((stray.volume(), stray.check_contact()), (8.0, Ok(())));
+        assert_eq!(stray.without_unused_vertices(), (plain.clone(), 3));
+        assert_eq!(plain.clone().without_unused_vertices(), (plain, 0));
     }
 
     #[test]

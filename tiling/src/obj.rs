@@ -1,32 +1,48 @@
 //! Wavefront OBJ files to and from meshes.
 //!
-//! Coordinates are read as `f64` in the file's unit and order. Polygons become fans around their first corner. Texture
-//! coordinates, normals, groups, materials, lines, points and smoothing are skipped; free-form curves and surfaces are
-//! refused. Memory is bounded by a few times the size of the text, whatever it says.
+//! Coordinates are read as `f64` in the file's unit and order. Polygons are cut into triangles ([`crate::polygon`]). Texture
+//! coordinates, normals, groups, materials, lines, points and how to display a surface are skipped; free-form curves and
+//! surfaces are refused. Memory is bounded by a few times the size of the text, whatever it says.
+//!
+//! Lines end in LF, CR LF or CR. A comment runs to the end of its line, even if that is a backslash: paths of Windows stand
+//! there. Elsewhere a backslash at the end joins the next line, unless that one is a statement of its own, because the name
+//! of a material or a group may end in one too.
 //!
 //! Reading does not judge the shape: see [`Mesh::check`].
 
+use crate::polygon::{self, PolygonFault};
 use crate::{Mesh, TilingError};
 use std::fmt::Write;
 
-/// Statements that say nothing about the shape of a triangle mesh.
-const SKIPPED: [&[u8]; 16] = [
-    b"vt",
-    b"vn",
-    b"vp",
-    b"g",
-    b"o",
-    b"s",
-    b"mg",
-    b"l",
-    b"p",
-    b"usemtl",
-    b"mtllib",
-    b"usemap",
-    b"maplib",
-    b"lod",
-    b"shadow_obj",
-    b"trace_obj",
+/// Statements that say nothing about the shape of a polygon mesh.
+const SKIPPED: [&str; 21] = [
+    "vt",
+    "vn",
+    "vp",
+    "g",
+    "o",
+    "s",
+    "mg",
+    "l",
+    "p",
+    "usemtl",
+    "mtllib",
+    "usemap",
+    "maplib",
+    "lod",
+    "shadow_obj",
+    "trace_obj",
+    "bevel",
+    "c_interp",
+    "d_interp",
+    "ctech",
+    "stech",
+];
+
+/// Statements of free-form curves and surfaces, those of older versions included.
+const FREE_FORM: [&str; 22] = [
+    "cstype", "deg", "bmat", "step", "curv", "curv2", "surf", "parm", "trim", "hole", "scrv", "sp", "end", "con",
+    "bsp", "bzp", "cdc", "cdp", "res", "csh", "call", "scmp",
 ];
 
 /// What is wrong in a line of an OBJ file; texts from the file are cut to 40 characters and escaped.
@@ -71,12 +87,26 @@ pub enum ObjFault {
         /// Vertices in the file; before this line if the number is negative.
         vertices: usize,
     },
-    /// A statement that is not OBJ, or that describes something else than polygons.
+    /// A statement that is not OBJ.
     #[error("`{found}` is not a statement of a polygon mesh")]
     Statement {
         /// The statement's first word.
         found: String,
     },
+    /// A statement that describes something else than polygons.
+    #[error(
+        "`{found}` belongs to a free-form curve or surface; only polygons are read: export the shape as a polygon mesh"
+    )]
+    FreeForm {
+        /// The statement's first word.
+        found: String,
+    },
+    /// A facet that bounds no area.
+    #[error(transparent)]
+    Polygon(#[from] PolygonFault),
+    /// Text of two bytes a character.
+    #[error("the text is UTF-16; save it as UTF-8")]
+    Utf16,
     /// More vertices than 32-bit indices can name.
     #[error("more than {} vertices", u32::MAX)]
     TooManyVertices,
@@ -94,26 +124,75 @@ pub enum ObjFault {
 /// # Ok::<(), tiling::TilingError>(())
 /// ```
 pub fn read(text: &[u8]) -> Result<Mesh, TilingError> {
+    if text.starts_with(b"\xff\xfe") || text.starts_with(b"\xfe\xff") {
+        return Err(TilingError::Obj { line: 1, fault: ObjFault::Utf16 });
+    }
     let mut reader = Reader::default();
-    let mut lines = text.split(|b| *b == b'\n').enumerate();
+    let mut lines = Lines { rest: text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text), number: 0 }.peekable();
     let mut joined = Vec::new();
     while let Some((number, line)) = lines.next() {
-        let fault = |fault| TilingError::Obj { line: number + 1, fault };
-        let mut line = line.trim_ascii_end();
-        if line.ends_with(b"\\") {
-            joined.clear();
-            while let Some(start) = line.strip_suffix(b"\\") {
-                joined.extend_from_slice(start);
-                joined.push(b' ');
-                line = lines.next().map_or(&b""[..], |(_, next)| next.trim_ascii_end());
-            }
-            joined.extend_from_slice(line);
-            reader.statement(&joined, number + 1).map_err(fault)?;
-        } else {
-            reader.statement(line, number + 1).map_err(fault)?;
+        let mut line = statement_of(line);
+        joined.clear();
+        while let Some(start) = line.strip_suffix(b"\\") {
+            let Some((_, next)) = lines.next_if(|(_, next)| continues(next)) else {
+                line = start;
+                break;
+            };
+            joined.extend_from_slice(start);
+            joined.push(b' ');
+            line = statement_of(next);
         }
+        let statement = if joined.is_empty() {
+            line
+        } else {
+            joined.extend_from_slice(line);
+            &joined
+        };
+        reader.statement(statement, number).map_err(|fault| TilingError::Obj { line: number, fault })?;
     }
     reader.finish()
+}
+
+/// The lines of a text with their numbers from 1; they end in LF, CR LF or CR.
+struct Lines<'a> {
+    rest: &'a [u8],
+    number: usize,
+}
+
+impl<'a> Iterator for Lines<'a> {
+    type Item = (usize, &'a [u8]);
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.rest.is_empty() {
+            return None;
+        }
+        let end = self.rest.iter().position(|b| matches!(b, b'\n' | b'\r')).unwrap_or(self.rest.len());
+        let (line, rest) = self.rest.split_at(end);
+        self.rest = rest.strip_prefix(b"\r\n").or(rest.get(1..)).unwrap_or_default();
+        self.number += 1;
+        Some((self.number, line))
+    }
+}
+
+/// A line without its comment and the blanks before that.
+fn statement_of(line: &[u8]) -> &[u8] {
+    line.split(|b| *b == b'#').next().unwrap_or_default().trim_ascii_end()
+}
+
+/// Whether a line can be the continuation of the one before: it says something and is no statement of its own.
+fn continues(line: &[u8]) -> bool {
+    let first = words(statement_of(line)).next();
+    first.is_some_and(|word| {
+        !matches!(word, b"v" | b"f" | b"fo") && !is_one_of(word, &SKIPPED) && !is_one_of(word, &FREE_FORM)
+    })
+}
+
+fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
+    line.split(u8::is_ascii_whitespace).filter(|w| !w.is_empty())
+}
+
+fn is_one_of(word: &[u8], list: &[&str]) -> bool {
+    list.iter().any(|name| name.as_bytes() == word)
 }
 
 /// The text of an OBJ file: each line of `comment` after a `#`, then vertices and facets in order.
@@ -143,17 +222,20 @@ struct Reader {
     largest: (u32, usize),
     /// Corners of the facet being read.
     corners: Vec<u32>,
+    /// Facets with more than three corners, as long as all vertices are not known: the line, and their triangles.
+    polygons: Vec<(usize, std::ops::Range<usize>)>,
 }
 
 impl Reader {
     fn statement(&mut self, line: &[u8], number: usize) -> Result<(), ObjFault> {
-        let line = line.split(|b| *b == b'#').next().unwrap_or_default();
-        let mut words = line.split(u8::is_ascii_whitespace).filter(|w| !w.is_empty());
+        let mut words = words(line);
         match words.next() {
             None => Ok(()),
             Some(b"v") => self.vertex(words),
-            Some(b"f") => self.facet(words, number),
-            Some(word) if SKIPPED.contains(&word) => Ok(()),
+            // `fo` is what facets were called in an older version.
+            Some(b"f" | b"fo") => self.facet(words, number),
+            Some(word) if is_one_of(word, &SKIPPED) => Ok(()),
+            Some(word) if is_one_of(word, &FREE_FORM) => Err(ObjFault::FreeForm { found: shown(word) }),
             Some(word) => Err(ObjFault::Statement { found: shown(word) }),
         }
     }
@@ -190,11 +272,14 @@ impl Reader {
             }
             self.corners.push(corner);
         }
-        let [first, rest @ ..] = &self.corners[..] else { return Err(ObjFault::CornerCount { found: 0 }) };
-        if rest.len() < 2 {
+        if self.corners.len() < 3 {
             return Err(ObjFault::CornerCount { found: self.corners.len() });
         }
-        self.mesh.facets.extend(rest.windows(2).map(|pair| [*first, pair[0], pair[1]]));
+        let before = self.mesh.facets.len();
+        polygon::fan(&self.corners, &mut self.mesh.facets);
+        if self.mesh.facets.len() > before + 1 {
+            self.polygons.push((line, before..self.mesh.facets.len()));
+        }
         Ok(())
     }
 
@@ -218,7 +303,7 @@ impl Reader {
         }
     }
 
-    fn finish(self) -> Result<Mesh, TilingError> {
+    fn finish(mut self) -> Result<Mesh, TilingError> {
         let (vertices, facets) = (self.mesh.vertices.len(), self.mesh.facets.len());
         if vertices == 0 || facets == 0 {
             return Err(TilingError::Empty { vertices, facets });
@@ -227,6 +312,10 @@ impl Reader {
         if largest as usize >= vertices {
             let fault = ObjFault::MissingVertex { index: i64::from(largest) + 1, vertices };
             return Err(TilingError::Obj { line, fault });
+        }
+        for (line, facets) in self.polygons {
+            polygon::mend_fan(&self.mesh.vertices, &mut self.mesh.facets[facets])
+                .map_err(|fault| TilingError::Obj { line, fault: fault.into() })?;
         }
         Ok(self.mesh)
     }
@@ -266,6 +355,63 @@ mod tests {
         let mesh = read(text.as_bytes()).unwrap();
         assert_eq!(mesh.vertices, [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
         assert_eq!(mesh.facets, [[0, 1, 2], [0, 1, 2], [0, 1, 2], [0, 1, 2], [0, 1, 2], [0, 2, 3]]);
+    }
+
+    /// A backslash at the end of a comment or of a name is none that continues a line.
+    #[test]
+    fn comments_and_names_that_end_in_a_backslash_swallow_nothing() {
+        let want = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+        for text in [
+            "# C:\\tmp\\\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+            "v 0 0 0 # C:\\\nv 1 0 0\nv 0 1 0\nf 1 2 3 #\\",
+            "mtllib C:\\tmp\\\nv 0 0 0\nv 1 0 0\nv 0 1 0\ng part\\\nf 1 2 3\n",
+            "o a \\  \r\nv 0 0 0\r\nv 1 0 0\r\nv 0 1 0\r\nusemtl stone\\\r\nf 1 2 3\r\n",
+            "g a \\\n b c\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 \\\n 2 3 # \\\n",
+            "v 0 0 0 \\\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+            "v 0 0 0 \\\n\nv 1 0 0\nv 0 1 0\nf 1 2 3 \\",
+        ] {
+            assert_eq!(read(text.as_bytes()).as_ref(), Ok(&want), "{text}");
+        }
+        assert_eq!(fault_of("v 0 0 \\\n# 0\n"), (1, ObjFault::CoordinateCount { found: 2 }));
+    }
+
+    #[test]
+    fn all_line_ends_and_a_byte_order_mark_are_read() {
+        let lines = ["v 0 0 0", "# comment", "v 1 0 \\", "0", "", "v 0 1 0", "f 1 2 3"];
+        let want = read(lines.join("\n").as_bytes()).unwrap();
+        for end in ["\n", "\r\n", "\r"] {
+            for (mark, last) in [("", ""), ("\u{feff}", end)] {
+                let text = format!("{mark}{}{last}", lines.join(end));
+                assert_eq!(read(text.as_bytes()).as_ref(), Ok(&want), "{text:?}");
+            }
+        }
+        assert_eq!(fault_of("v 0 0 0\rv 1 nan 2\r").0, 2);
+        let utf16: Vec<u8> = [0xff, 0xfe].into_iter().chain("v 0".encode_utf16().flat_map(u16::to_le_bytes)).collect();
+        assert_eq!(read(&utf16), Err(TilingError::Obj { line: 1, fault: ObjFault::Utf16 }));
+    }
+
+    #[test]
+    fn statements_of_display_are_skipped_and_free_forms_refused() {
+        let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nfo 1 2 3\n";
+        for skipped in SKIPPED {
+            assert_eq!(read(format!("{skipped} off\n{triangle}").as_bytes()).unwrap().facets, [[0, 1, 2]]);
+        }
+        let (line, fault) = fault_of(&format!("{triangle}cstype bezier\n"));
+        assert_eq!((line, fault), (5, ObjFault::FreeForm { found: "cstype".to_owned() }));
+    }
+
+    #[test]
+    fn concave_polygons_are_cut_inside_and_crossed_ones_refused_with_their_line() {
+        let l = "v 0 0 0\nv 30 0 0\nv 30 10 0\nv 10 10 0\nv 10 30 0\nv 0 30 0\n";
+        for first in 0..6 {
+            let corners: Vec<String> = (0..6).map(|k| ((first + k) % 6 + 1).to_string()).collect();
+            let mesh = read(format!("{l}f {}\n", corners.join(" ")).as_bytes()).unwrap();
+            assert!((mesh.surface_area() - 500.0).abs() < 1e-9, "{:?}", mesh.facets);
+        }
+        let crossed = fault_of("f 1 2 3 4\nv 0 0 0\nv 1 1 0\nv 1 0 0\nv 0 1.5 0\n");
+        assert_eq!(crossed, (1, ObjFault::Polygon(PolygonFault::NotSimple { corners: 4 })));
+        // Some programs write triangles as quadrangles.
+        assert_eq!(read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3 3\n").unwrap().facets, [[0, 1, 2]]);
     }
 
     #[test]

@@ -7,12 +7,22 @@ use crate::{Mesh, TilingError};
 const DEGENERATE: f64 = 1e-12;
 
 impl Mesh {
-    /// Checks that the mesh is a closed, consistently outward oriented surface with finite vertices and non-degenerate
-    /// facets. Several bodies and any number of handles are accepted.
+    /// Checks that the mesh is a closed, consistently oriented surface around a positive volume, with finite vertices and
+    /// non-degenerate facets. Several bodies and any number of handles are accepted. [`Mesh::check_body`] asks for more.
     ///
     /// # Errors
     /// The first kind of fault, in the order of [`TilingError`]'s variants, with all facets that have it.
     pub fn check(&self) -> Result<(), TilingError> {
+        self.check_surface()?;
+        let volume_m3 = self.volume();
+        if volume_m3.is_nan() || volume_m3 <= 0.0 {
+            return Err(TilingError::InsideOut { volume_m3 });
+        }
+        Ok(())
+    }
+
+    /// What [`Mesh::check`] asks for but the volume.
+    pub(crate) fn check_surface(&self) -> Result<(), TilingError> {
         if self.vertices.len() < 4 || self.facets.len() < 4 {
             return Err(TilingError::Empty { vertices: self.vertices.len(), facets: self.facets.len() });
         }
@@ -30,19 +40,21 @@ impl Mesh {
         if !degenerate.is_empty() {
             return Err(TilingError::Degenerate { facets: degenerate });
         }
-        self.check_edges()?;
-        let volume_m3 = self.volume();
-        if volume_m3.is_nan() || volume_m3 <= 0.0 {
-            return Err(TilingError::InsideOut { volume_m3 });
-        }
-        Ok(())
+        self.check_edges()
+    }
+
+    /// Of an open mesh: whether it is open because vertices in the same place are not the same vertex.
+    fn unwelded(&self) -> Option<TilingError> {
+        let mut places = self.vertices.clone();
+        places.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])).then(a[2].total_cmp(&b[2])));
+        let repeated = places.windows(2).filter(|pair| pair[0] == pair[1]).count();
+        // A few may be an accident beside a hole; seams between patches and facets on their own make many.
+        (10 * repeated > places.len()).then_some(TilingError::Unwelded { repeated, vertices: places.len() })
     }
 
     /// `V - E + F` of the vertices in use: 2 for a closed body without handles, twice the number of such bodies.
     pub fn euler_characteristic(&self) -> i64 {
-        let mut used = vec![false; self.vertices.len()];
-        self.facets.iter().flatten().for_each(|v| used[*v as usize] = true);
-        let vertices = used.iter().filter(|u| **u).count();
+        let vertices = self.used_vertices().iter().filter(|used| **used).count();
         let edges = self.sorted_edges().chunk_by(|a, b| a.ends == b.ends).count();
         vertices as i64 - edges as i64 + self.facets.len() as i64
     }
@@ -73,7 +85,7 @@ impl Mesh {
             facets
         };
         if !open.is_empty() {
-            return Err(TilingError::Open { edges: open.len(), facets: facets(&open) });
+            return Err(self.unwelded().unwrap_or(TilingError::Open { edges: open.len(), facets: facets(&open) }));
         }
         if !crowded.is_empty() {
             return Err(TilingError::NonManifold { edges: crowded.len(), facets: facets(&crowded) });
@@ -141,6 +153,16 @@ mod tests {
         let fault = mesh.check().unwrap_err();
         assert!(matches!(&fault, TilingError::Open { edges: 3, facets } if facets.len() == 3), "{fault:?}");
         assert!(fault.to_string().starts_with("open mesh: a hole beside facets 1, "), "{fault}");
+    }
+
+    #[test]
+    fn facets_with_corners_of_their_own_are_told_to_be_welded() {
+        let mesh = cuboid(1.0, 2.0, 3.0);
+        let vertices = mesh.facets.iter().flatten().map(|v| mesh.vertices[*v as usize]).collect();
+        let soup = Mesh { vertices, facets: (0..12).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect() };
+        let fault = soup.check().unwrap_err();
+        assert_eq!(fault, TilingError::Unwelded { repeated: 28, vertices: 36 });
+        assert!(fault.to_string().contains("weld the vertices"), "{fault}");
     }
 
     #[test]
