@@ -15,6 +15,7 @@ pub mod hard_sphere;
 pub mod mass_properties;
 pub mod packing;
 pub mod rigid_fit;
+pub mod simd;
 pub mod soft_sphere;
 mod spheres;
 

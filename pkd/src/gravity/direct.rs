@@ -106,6 +106,7 @@ mod tests {
     use super::super::potential_energy;
     use super::*;
     use crate::Spheres;
+    use crate::simd::Level;
     use nalgebra::Vector3;
 
     fn cloud(n: usize, scale: f64) -> Spheres {
@@ -123,6 +124,23 @@ mod tests {
         let mut gravity = DirectGravity { kernel, ..DirectGravity::default() };
         gravity.accelerations(&s.x, &s.y, &s.z, &s.mass, &mut out);
         out
+    }
+
+    /// The oracle and the kernel of each level.
+    fn kernels() -> Vec<Kernel> {
+        let levels = Level::available().into_iter().map(kernel::at);
+        std::iter::once(kernel::exact as Kernel).chain(levels).collect()
+    }
+
+    #[test]
+    fn every_level_gives_the_same_bytes() {
+        for n in [1, 7, 8, 9, 65, 300] {
+            let s = cloud(n, 1.0);
+            let plain = accelerations(kernel::at(Level::Scalar), &s);
+            for level in Level::available() {
+                assert_eq!(accelerations(kernel::at(level), &s), plain, "{n} spheres at {}", level.name());
+            }
+        }
     }
 
     /// Every pair twice, as in the textbook.
@@ -144,7 +162,7 @@ mod tests {
             for scale in [1.0, 1e-30, 1e25] {
                 let s = cloud(n, scale);
                 let exact = textbook(&s);
-                for kernel in kernel::available() {
+                for kernel in kernels() {
                     let got = accelerations(kernel, &s);
                     for (i, exact) in exact.iter().enumerate() {
                         let error = (Vector3::new(got.x[i], got.y[i], got.z[i]) - exact).norm();
@@ -167,7 +185,7 @@ mod tests {
     #[test]
     fn forces_torques_and_virial_balance() {
         let s = cloud(1000, 1.0);
-        for kernel in kernel::available() {
+        for kernel in kernels() {
             let a = accelerations(kernel, &s);
             let (mut force, mut torque, mut virial) = (Vector3::zeros(), Vector3::zeros(), 0.0);
             let (mut forces, mut torques) = (0.0, 0.0);

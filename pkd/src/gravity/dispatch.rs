@@ -4,6 +4,7 @@ use super::far::{self, Expansion};
 use super::field::Sources;
 use super::near::{self, Action};
 use super::tree::Cell;
+use crate::simd::Level;
 
 type Four = unsafe fn(&[Sources], [[usize; 2]; 4]) -> [[f64; 4]; 4];
 type Local = unsafe fn([f64; 3], &[u32], &[Cell], &[f64], &mut Expansion);
@@ -78,32 +79,32 @@ macro_rules! kernels {
     };
 }
 
-kernels!(plain, f64, 4);
+kernels!(plain, super::super::lanes::Plain, 1);
 #[cfg(target_arch = "x86_64")]
-kernels!(avx2, std::arch::x86_64::__m256d, 4, "avx2,fma");
+kernels!(avx2, super::super::lanes::Avx2, 2, "avx2,fma");
 #[cfg(target_arch = "x86_64")]
 kernels!(avx512, std::arch::x86_64::__m512d, 4, "avx512f,avx2,fma");
 
-// SAFETY of all calls below: `fastest` and `available` hand out kernels only where the processor has their instructions.
+// SAFETY of all calls below: `at` hands out kernels only where the processor has their instructions.
 impl Kernels {
-    /// The fastest kernels for this processor.
+    /// The kernels that are in use.
     pub fn fastest<const P: usize>() -> Self {
-        Self::available::<P>().pop().expect("the plain kernels run everywhere")
+        Self::at::<P>(Level::in_use())
     }
 
-    /// All kernels that this processor can run, the fastest last.
-    fn available<const P: usize>() -> Vec<Self> {
-        let mut kernels = vec![plain::all::<P>()];
-        #[cfg(target_arch = "x86_64")]
-        {
-            if std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma") {
-                kernels.push(avx2::all::<P>());
-                if std::arch::is_x86_feature_detected!("avx512f") {
-                    kernels.push(avx512::all::<P>());
-                }
-            }
+    /// The kernels of a level.
+    ///
+    /// # Panics
+    /// If the processor cannot run them.
+    fn at<const P: usize>(level: Level) -> Self {
+        assert!(level <= Level::present(), "kernels that can run here");
+        match level {
+            Level::Scalar => plain::all::<P>(),
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx2 => avx2::all::<P>(),
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx512 => avx512::all::<P>(),
         }
-        kernels
     }
 
     /// [`near::block`].
@@ -167,21 +168,18 @@ mod tests {
         out
     }
 
-    /// Largest difference of two fields over the largest value.
-    fn difference(one: &[Action], other: &[Action]) -> f64 {
-        let all = |field: &[Action]| -> Vec<f64> { field.iter().flat_map(|a| a.pull.0.concat()).collect() };
-        let (one, other) = (all(one), all(other));
-        let largest = other.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-        one.iter().zip(&other).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs())) / largest
-    }
-
     #[test]
-    fn every_instruction_set_gives_the_same_field_to_round_off() {
+    fn every_level_gives_the_same_bytes() {
+        let bits =
+            |field: &[Action]| -> Vec<u64> { field.iter().flat_map(|a| a.pull.0.concat()).map(f64::to_bits).collect() };
         for opening in [0.0, 0.7] {
-            let low: Vec<_> = Kernels::available::<6>().iter().map(|k| field::<6>(k, opening)).collect();
-            let high: Vec<_> = Kernels::available::<8>().iter().map(|k| field::<8>(k, opening)).collect();
-            for fields in [low, high] {
-                assert!(fields.iter().all(|f| difference(f, &fields[0]) < 1e-13));
+            let plain = (
+                field::<6>(&Kernels::at::<6>(Level::Scalar), opening),
+                field::<8>(&Kernels::at::<8>(Level::Scalar), opening),
+            );
+            for level in Level::available() {
+                assert!(bits(&field::<6>(&Kernels::at::<6>(level), opening)) == bits(&plain.0), "{}", level.name());
+                assert!(bits(&field::<8>(&Kernels::at::<8>(level), opening)) == bits(&plain.1), "{}", level.name());
             }
         }
     }

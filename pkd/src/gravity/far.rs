@@ -5,7 +5,7 @@
 
 use super::field::{BLOCK, Sources};
 use super::harmonic::{NARROW, WIDE, contract, derivatives, evaluate, multiply, narrow_len, powers, widened};
-use super::lanes::Lanes;
+use super::lanes::{Eight, total};
 use super::near::Action;
 use super::tree::Cell;
 
@@ -15,28 +15,26 @@ pub(super) type Expansion = [f64; NARROW];
 /// Adds the moments of `blocks` about `centre` to `out`: Σ strength (centre - x)ⁿ/n!.
 ///
 /// # Safety
-/// That of [`Lanes`].
+/// That of [`Lanes`](super::lanes::Lanes).
 #[inline(always)]
-pub(super) unsafe fn moments<V: Lanes, const P: usize>(blocks: &[Sources], centre: [f64; 3], out: &mut Expansion) {
+pub(super) unsafe fn moments<V: Eight, const P: usize>(blocks: &[Sources], centre: [f64; 3], out: &mut Expansion) {
     unsafe {
         let zero = V::splat(0.0);
         let (mut sum, mut power) = ([zero; NARROW], [zero; NARROW]);
         let centre = [V::splat(centre[0]), V::splat(centre[1]), V::splat(centre[2])];
         for block in blocks {
-            for lane in (0..BLOCK).step_by(V::LANES) {
-                let mut s = centre;
-                for k in 0..3 {
-                    s[k] = s[k].minus(V::load(&raw const block.at[k][lane]));
-                }
-                powers::<V, P>(s, &mut power);
-                let strength = V::load(&raw const block.strength[lane]);
-                for k in 0..narrow_len(P) {
-                    sum[k] = power[k].times_plus(strength, sum[k]);
-                }
+            let mut s = centre;
+            for k in 0..3 {
+                s[k] = s[k].minus(V::load(block.at[k].as_ptr()));
+            }
+            powers::<V, P>(s, &mut power);
+            let strength = V::load(block.strength.as_ptr());
+            for k in 0..narrow_len(P) {
+                sum[k] = power[k].times_plus(strength, sum[k]);
             }
         }
         for k in 0..narrow_len(P) {
-            out[k] += sum[k].total();
+            out[k] += total(sum[k]);
         }
     }
 }
@@ -44,7 +42,7 @@ pub(super) unsafe fn moments<V: Lanes, const P: usize>(blocks: &[Sources], centr
 /// Adds moments about a centre that lies `shift` from the new one to `out`.
 ///
 /// # Safety
-/// That of [`Lanes`].
+/// That of [`Lanes`](super::lanes::Lanes).
 #[inline(always)]
 pub(super) unsafe fn shift_moments<const P: usize>(moments: &[f64], shift: [f64; 3], out: &mut Expansion) {
     unsafe {
@@ -58,7 +56,7 @@ pub(super) unsafe fn shift_moments<const P: usize>(moments: &[f64], shift: [f64;
 /// The local expansion at `shift` from the centre of `local`.
 ///
 /// # Safety
-/// That of [`Lanes`].
+/// That of [`Lanes`](super::lanes::Lanes).
 #[inline(always)]
 pub(super) unsafe fn shift_local<const P: usize>(local: &Expansion, shift: [f64; 3], out: &mut Expansion) {
     unsafe {
@@ -69,7 +67,7 @@ pub(super) unsafe fn shift_local<const P: usize>(local: &Expansion, shift: [f64;
     }
 }
 
-/// A register's worth of cells.
+/// Eight cells.
 #[repr(C, align(64))]
 struct Batch {
     offset: [[f64; BLOCK]; 3],
@@ -79,9 +77,9 @@ struct Batch {
 /// Adds the field of the cells `list` around `centre` to `out`.
 ///
 /// # Safety
-/// That of [`Lanes`].
+/// That of [`Lanes`](super::lanes::Lanes).
 #[inline(always)]
-pub(super) unsafe fn local<V: Lanes, const P: usize>(
+pub(super) unsafe fn local<V: Eight, const P: usize>(
     centre: [f64; 3],
     list: &[u32],
     cells: &[Cell],
@@ -93,7 +91,7 @@ pub(super) unsafe fn local<V: Lanes, const P: usize>(
         let (mut sum, mut moment, mut derivative) = ([zero; NARROW], [zero; NARROW], [zero; WIDE]);
         let mut batch = Batch { offset: [[0.0; BLOCK]; 3], moments: [[0.0; BLOCK]; NARROW] };
         let stride = narrow_len(P);
-        for chunk in list.chunks(V::LANES) {
+        for chunk in list.chunks(BLOCK) {
             for (lane, &cell) in chunk.iter().enumerate() {
                 let from = cells[cell as usize].centre;
                 for k in 0..3 {
@@ -104,7 +102,7 @@ pub(super) unsafe fn local<V: Lanes, const P: usize>(
                     batch.moments[k][lane] = moments[k];
                 }
             }
-            for lane in chunk.len()..V::LANES {
+            for lane in chunk.len()..BLOCK {
                 batch.offset[0][lane] = 1.0;
                 for k in 0..stride {
                     batch.moments[k][lane] = 0.0;
@@ -126,7 +124,7 @@ pub(super) unsafe fn local<V: Lanes, const P: usize>(
             contract::<V, P>(&moment, &derivative, &mut sum);
         }
         for k in 0..stride {
-            out[k] += sum[k].total();
+            out[k] += total(sum[k]);
         }
     }
 }
@@ -134,9 +132,9 @@ pub(super) unsafe fn local<V: Lanes, const P: usize>(
 /// Adds the field of a local expansion about `centre` at the spheres of `block` to `out`.
 ///
 /// # Safety
-/// That of [`Lanes`].
+/// That of [`Lanes`](super::lanes::Lanes).
 #[inline(always)]
-pub(super) unsafe fn apply<V: Lanes, const P: usize>(
+pub(super) unsafe fn apply<V: Eight, const P: usize>(
     block: &Sources,
     centre: [f64; 3],
     local: &Expansion,
@@ -149,19 +147,17 @@ pub(super) unsafe fn apply<V: Lanes, const P: usize>(
             narrow[k] = V::splat(local[k]);
         }
         widened::<V, P>(&narrow, &mut wide);
-        for lane in (0..BLOCK).step_by(V::LANES) {
-            let mut s = [zero; 3];
-            for k in 0..3 {
-                s[k] = V::load(&raw const block.at[k][lane]).minus(V::splat(centre[k]));
-            }
-            powers::<V, P>(s, &mut power);
-            let field = evaluate::<V, P>(&power, &wide);
-            for k in 0..3 {
-                let to = &raw mut out.pull.0[k][lane];
-                V::load(to).plus(field[k]).store(to);
-            }
-            let to = &raw mut out.depth[lane];
-            V::load(to).plus(field[3]).store(to);
+        let mut s = [zero; 3];
+        for k in 0..3 {
+            s[k] = V::load(block.at[k].as_ptr()).minus(V::splat(centre[k]));
         }
+        powers::<V, P>(s, &mut power);
+        let field = evaluate::<V, P>(&power, &wide);
+        for k in 0..3 {
+            let to = out.pull.0[k].as_mut_ptr();
+            V::load(to).plus(field[k]).store(to);
+        }
+        let to = out.depth.as_mut_ptr();
+        V::load(to).plus(field[3]).store(to);
     }
 }

@@ -7,7 +7,7 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::field::{BLOCK, Pull, Sources};
-use super::lanes::Lanes;
+use super::lanes::{Eight, total};
 
 /// What acts on the spheres of a block.
 #[derive(Debug, Clone, Copy, Default)]
@@ -41,9 +41,9 @@ static DIAGONAL: Diagonal = {
 /// Adds to `out` what the blocks `list` and the other spheres of block `own` do to the spheres of block `own`.
 ///
 /// # Safety
-/// That of [`Lanes`].
+/// That of [`Lanes`](super::lanes::Lanes).
 #[inline(always)]
-pub(super) unsafe fn block<V: Lanes, const ROWS: usize, const DEPTH: bool>(
+pub(super) unsafe fn block<V: Eight, const ROWS: usize, const DEPTH: bool>(
     blocks: &[Sources],
     own: usize,
     list: &[u32],
@@ -61,9 +61,9 @@ pub(super) unsafe fn block<V: Lanes, const ROWS: usize, const DEPTH: bool>(
             others::<V, ROWS, DEPTH>(blocks, targets, list.iter().map(|b| *b as usize), &mut sums);
             for k in 0..ROWS {
                 for c in 0..3 {
-                    out.pull.0[c][row + k] += sums[k][c].total();
+                    out.pull.0[c][row + k] += total(sums[k][c]);
                 }
-                out.depth[row + k] += sums[k][3].total();
+                out.depth[row + k] += total(sums[k][3]);
             }
         }
     }
@@ -72,9 +72,9 @@ pub(super) unsafe fn block<V: Lanes, const ROWS: usize, const DEPTH: bool>(
 /// Acceleration and depth of four spheres, each given by block and row, by all others.
 ///
 /// # Safety
-/// That of [`Lanes`].
+/// That of [`Lanes`](super::lanes::Lanes).
 #[inline(always)]
-pub(super) unsafe fn four<V: Lanes>(blocks: &[Sources], spheres: [[usize; 2]; 4]) -> [[f64; 4]; 4] {
+pub(super) unsafe fn four<V: Eight>(blocks: &[Sources], spheres: [[usize; 2]; 4]) -> [[f64; 4]; 4] {
     let mut own = spheres.map(|[b, _]| b);
     own.sort_unstable();
     // SAFETY: the caller's.
@@ -101,7 +101,7 @@ pub(super) unsafe fn four<V: Lanes>(blocks: &[Sources], spheres: [[usize; 2]; 4]
                 }
             }
             for c in 0..4 {
-                totals[k][c] = sums[k][c].total();
+                totals[k][c] = total(sums[k][c]);
             }
         }
         totals
@@ -115,25 +115,23 @@ fn place(blocks: &[Sources], [b, row]: [usize; 2]) -> [f64; 3] {
 /// Adds what the other spheres of its block do to one.
 ///
 /// # Safety
-/// That of [`Lanes`].
+/// That of [`Lanes`](super::lanes::Lanes).
 #[inline(always)]
-unsafe fn inside<V: Lanes, const DEPTH: bool>(blocks: &[Sources], [b, row]: [usize; 2], sums: &mut [V; 4]) {
+unsafe fn inside<V: Eight, const DEPTH: bool>(blocks: &[Sources], [b, row]: [usize; 2], sums: &mut [V; 4]) {
     unsafe {
         let [x, y, z] = place(blocks, [b, row]);
         let target = [V::splat(x), V::splat(y), V::splat(z)];
-        for lane in (0..BLOCK).step_by(V::LANES) {
-            let itself = V::load(&raw const DIAGONAL.0[row][lane]);
-            add::<V, true, DEPTH>(&blocks[b], lane, target, itself, sums);
-        }
+        let itself = V::load(DIAGONAL.0[row].as_ptr());
+        add::<V, true, DEPTH>(&blocks[b], target, itself, sums);
     }
 }
 
 /// Adds what the blocks `list` do to spheres outside them.
 ///
 /// # Safety
-/// That of [`Lanes`].
+/// That of [`Lanes`](super::lanes::Lanes).
 #[inline(always)]
-unsafe fn others<V: Lanes, const ROWS: usize, const DEPTH: bool>(
+unsafe fn others<V: Eight, const ROWS: usize, const DEPTH: bool>(
     blocks: &[Sources],
     targets: [[f64; 3]; ROWS],
     list: impl Iterator<Item = usize>,
@@ -150,34 +148,31 @@ unsafe fn others<V: Lanes, const ROWS: usize, const DEPTH: bool>(
         // A copy, so that it stays in registers.
         let mut sum = *sums;
         for b in list {
-            for lane in (0..BLOCK).step_by(V::LANES) {
-                for k in 0..ROWS {
-                    add::<V, false, DEPTH>(&blocks[b], lane, target[k], zero, &mut sum[k]);
-                }
+            for k in 0..ROWS {
+                add::<V, false, DEPTH>(&blocks[b], target[k], zero, &mut sum[k]);
             }
         }
         *sums = sum;
     }
 }
 
-/// Adds the pull of one register of spheres; with `OWN`, without the one that `itself` singles out.
+/// Adds the pull of one block of spheres; with `OWN`, without the one that `itself` singles out.
 ///
 /// # Safety
-/// That of [`Lanes`].
+/// That of [`Lanes`](super::lanes::Lanes).
 #[inline(always)]
-unsafe fn add<V: Lanes, const OWN: bool, const DEPTH: bool>(
+unsafe fn add<V: Eight, const OWN: bool, const DEPTH: bool>(
     source: &Sources,
-    lane: usize,
     target: [V; 3],
     itself: V,
     sums: &mut [V; 4],
 ) {
     unsafe {
         let one = V::splat(1.0);
-        let dx = V::load(&raw const source.at[0][lane]).minus(target[0]);
-        let dy = V::load(&raw const source.at[1][lane]).minus(target[1]);
-        let dz = V::load(&raw const source.at[2][lane]).minus(target[2]);
-        let mut strength = V::load(&raw const source.strength[lane]);
+        let dx = V::load(source.at[0].as_ptr()).minus(target[0]);
+        let dy = V::load(source.at[1].as_ptr()).minus(target[1]);
+        let dz = V::load(source.at[2].as_ptr()).minus(target[2]);
+        let mut strength = V::load(source.strength.as_ptr());
         let mut r2 = dx.times_plus(dx, dy.times_plus(dy, dz.times(dz)));
         if OWN {
             // Its distance becomes one and its strength zero.

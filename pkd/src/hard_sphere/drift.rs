@@ -18,6 +18,8 @@ use super::predict::{Meeting, NONE, Predict, Scalar, first_meeting_but};
 use super::report::CollisionCounts;
 use super::tournament::Tournament;
 use crate::constants::G;
+#[cfg(target_arch = "x86_64")]
+use crate::simd::Level;
 use crate::{PkdError, Spheres};
 use nalgebra::Vector3;
 
@@ -64,7 +66,7 @@ type EventLoop = fn(&mut Drift, &HardSphereParameters, &RigidMotion, f64, &mut C
 /// The fastest event loop of this processor; `smooth` spheres do not need their spins.
 fn event_loop(smooth: bool) -> EventLoop {
     #[cfg(target_arch = "x86_64")]
-    if std::arch::is_x86_feature_detected!("avx2") {
+    if Level::in_use() >= Level::Avx2 {
         /// The whole loop, so that everything in it becomes vectors of four.
         #[target_feature(enable = "avx2")]
         fn with_avx2<const SPIN: bool>(

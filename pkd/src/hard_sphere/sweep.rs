@@ -4,6 +4,9 @@
 //! those that begin before it ends. Unlike a grid this needs no cell size, so that neither a sphere far away nor very
 //! different radii cost more than their share.
 
+#[cfg(target_arch = "x86_64")]
+use crate::simd::Level;
+
 /// Spheres compared at a time.
 const BLOCK: usize = 8;
 
@@ -30,7 +33,7 @@ impl Sweep {
     pub fn visit_pairs(&mut self, reaches: &[Reach], visit: impl FnMut(u32, u32)) {
         let axis = self.sort(reaches);
         #[cfg(target_arch = "x86_64")]
-        if std::arch::is_x86_feature_detected!("avx2") {
+        if Level::in_use() >= Level::Avx2 {
             // SAFETY: the processor has AVX2.
             return unsafe { self.compare_avx2(axis, visit) };
         }

@@ -6,6 +6,8 @@ use super::lanes::{Plain, Quad, Wide};
 use super::motion::{FROZEN, Frames, GIVEN, Moved, NONE, advance};
 use super::pairs::Chunk;
 use super::parameters::SoftSphereParameters;
+use crate::simd::Level;
+
 use super::record::{DIRECTIONAL, FRICTIONLESS, FULL, SLIDING, model};
 
 /// [`contacts`] for one model.
@@ -27,90 +29,66 @@ pub(super) struct Kernels {
     pub advance: Advance,
 }
 
-/// Where kernels can run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd)]
-pub(super) enum Processor {
-    Any,
-    #[cfg(target_arch = "x86_64")]
-    Avx2,
-    /// AVX-512 with the parts F, VL and DQ, as all have but one that is forgotten.
-    #[cfg(target_arch = "x86_64")]
-    Avx512,
-}
-
-impl Processor {
-    pub fn present() -> Self {
-        #[cfg(target_arch = "x86_64")]
-        if std::arch::is_x86_feature_detected!("avx2") {
-            let more = std::arch::is_x86_feature_detected!("avx512f")
-                && std::arch::is_x86_feature_detected!("avx512vl")
-                && std::arch::is_x86_feature_detected!("avx512dq");
-            return if more { Self::Avx512 } else { Self::Avx2 };
-        }
-        Self::Any
-    }
-}
-
 impl Kernels {
     /// The kernels for these parameters and kind of field.
     ///
     /// # Panics
     /// If the present processor cannot run them.
-    pub fn new(processor: Processor, parameters: &SoftSphereParameters, field: u8) -> Self {
-        assert!(processor <= Processor::present(), "kernels that can run here");
+    pub fn new(level: Level, parameters: &SoftSphereParameters, field: u8) -> Self {
+        assert!(level <= Level::present(), "kernels that can run here");
         let model = model(&parameters.friction);
-        let contacts = choose_contacts(processor, model, parameters.cohesion_pa > 0.0, parameters.ledger);
-        Self { contacts, advance: choose_advance(processor, model, field) }
+        let contacts = choose_contacts(level, model, parameters.cohesion_pa > 0.0, parameters.ledger);
+        Self { contacts, advance: choose_advance(level, model, field) }
     }
 }
 
-fn choose_contacts(processor: Processor, model: u8, cohesive: bool, ledger: bool) -> Contacts {
+fn choose_contacts(level: Level, model: u8, cohesive: bool, ledger: bool) -> Contacts {
     match model {
-        FRICTIONLESS => contacts_of::<FRICTIONLESS>(processor, cohesive, ledger),
-        SLIDING => contacts_of::<SLIDING>(processor, cohesive, ledger),
-        FULL => contacts_of::<FULL>(processor, cohesive, ledger),
-        _ => contacts_of::<DIRECTIONAL>(processor, cohesive, ledger),
+        FRICTIONLESS => contacts_of::<FRICTIONLESS>(level, cohesive, ledger),
+        SLIDING => contacts_of::<SLIDING>(level, cohesive, ledger),
+        FULL => contacts_of::<FULL>(level, cohesive, ledger),
+        _ => contacts_of::<DIRECTIONAL>(level, cohesive, ledger),
     }
 }
 
-fn contacts_of<const MODEL: u8>(processor: Processor, cohesive: bool, ledger: bool) -> Contacts {
+fn contacts_of<const MODEL: u8>(level: Level, cohesive: bool, ledger: bool) -> Contacts {
     match (cohesive, ledger) {
-        (false, false) => contacts_on::<MODEL, false, false>(processor),
-        (false, true) => contacts_on::<MODEL, false, true>(processor),
-        (true, false) => contacts_on::<MODEL, true, false>(processor),
-        (true, true) => contacts_on::<MODEL, true, true>(processor),
+        (false, false) => contacts_on::<MODEL, false, false>(level),
+        (false, true) => contacts_on::<MODEL, false, true>(level),
+        (true, false) => contacts_on::<MODEL, true, false>(level),
+        (true, true) => contacts_on::<MODEL, true, true>(level),
     }
 }
 
-fn contacts_on<const MODEL: u8, const COHESIVE: bool, const LEDGER: bool>(processor: Processor) -> Contacts {
-    match processor {
-        Processor::Any => contacts::<Wide<Plain>, MODEL, COHESIVE, LEDGER>,
+fn contacts_on<const MODEL: u8, const COHESIVE: bool, const LEDGER: bool>(level: Level) -> Contacts {
+    match level {
+        Level::Scalar => contacts::<Wide<Plain>, MODEL, COHESIVE, LEDGER>,
         #[cfg(target_arch = "x86_64")]
-        Processor::Avx2 => x86::contacts::<MODEL, COHESIVE, LEDGER>,
+        Level::Avx2 => x86::contacts::<MODEL, COHESIVE, LEDGER>,
         #[cfg(target_arch = "x86_64")]
-        Processor::Avx512 => x86::contacts_512::<MODEL, COHESIVE, LEDGER>,
+        Level::Avx512 => x86::contacts_512::<MODEL, COHESIVE, LEDGER>,
     }
 }
 
-fn choose_advance(processor: Processor, model: u8, field: u8) -> Advance {
+fn choose_advance(level: Level, model: u8, field: u8) -> Advance {
     match (model == FRICTIONLESS, field) {
-        (true, NONE) => advance_on::<FRICTIONLESS, NONE>(processor),
-        (true, GIVEN) => advance_on::<FRICTIONLESS, GIVEN>(processor),
-        (true, _) => advance_on::<FRICTIONLESS, FROZEN>(processor),
+        (true, NONE) => advance_on::<FRICTIONLESS, NONE>(level),
+        (true, GIVEN) => advance_on::<FRICTIONLESS, GIVEN>(level),
+        (true, _) => advance_on::<FRICTIONLESS, FROZEN>(level),
         // To move spheres that spin is the same whatever makes them.
-        (false, NONE) => advance_on::<SLIDING, NONE>(processor),
-        (false, GIVEN) => advance_on::<SLIDING, GIVEN>(processor),
-        (false, _) => advance_on::<SLIDING, FROZEN>(processor),
+        (false, NONE) => advance_on::<SLIDING, NONE>(level),
+        (false, GIVEN) => advance_on::<SLIDING, GIVEN>(level),
+        (false, _) => advance_on::<SLIDING, FROZEN>(level),
     }
 }
 
-fn advance_on<const MODEL: u8, const FIELD: u8>(processor: Processor) -> Advance {
-    match processor {
-        Processor::Any => advance::<Plain, MODEL, FIELD>,
+fn advance_on<const MODEL: u8, const FIELD: u8>(level: Level) -> Advance {
+    match level {
+        Level::Scalar => advance::<Plain, MODEL, FIELD>,
         #[cfg(target_arch = "x86_64")]
-        Processor::Avx2 => x86::advance::<MODEL, FIELD>,
+        Level::Avx2 => x86::advance::<MODEL, FIELD>,
         #[cfg(target_arch = "x86_64")]
-        Processor::Avx512 => x86::advance_512::<MODEL, FIELD>,
+        Level::Avx512 => x86::advance_512::<MODEL, FIELD>,
     }
 }
 

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::body_frame::{BodyFrame, columns};
 use super::coefficients::Coefficients;
-use super::dispatch::{Kernels, Processor};
+use super::dispatch::Kernels;
 use super::history::{Contact, ContactHistory};
 use super::kernel::Heat;
 use super::lanes::{LANES, Quad};
@@ -21,6 +21,7 @@ use super::report::Energy;
 use super::search::{near_pairs, order_in_space};
 use crate::gravity::{Accelerations, angular_acceleration, balance};
 use crate::rigid_fit::{FitRank, rigid_fit};
+use crate::simd::Level;
 use crate::{PkdError, Spheres};
 
 /// Fewer spheres than this are not worth handing to several threads.
@@ -82,7 +83,7 @@ impl<'a> Engine<'a> {
     /// # Errors
     /// [`PkdError::Coincident`], [`PkdError::TooSoft`] and [`PkdError::BecameNonFinite`].
     pub fn new(
-        processor: Processor,
+        level: Level,
         gravity: &'a mut crate::gravity::Gravity,
         parameters: &'a SoftSphereParameters,
         law: Coefficients,
@@ -103,7 +104,7 @@ impl<'a> Engine<'a> {
         let mut engine = Self {
             gravity,
             parameters,
-            kernels: Kernels::new(processor, parameters, field),
+            kernels: Kernels::new(level, parameters, field),
             law,
             model,
             field,

@@ -32,9 +32,9 @@ use nalgebra::Vector3;
 
 use crate::gravity::potential_energy;
 use crate::mass_properties::{MassProperties, mass_properties};
+use crate::simd::Level;
 use crate::{PkdError, Spheres};
 use coefficients::Coefficients;
-use dispatch::Processor;
 use engine::Engine;
 
 /// The soft-sphere integrator: parameters, the history of the contacts, and scratch memory.
@@ -134,7 +134,7 @@ impl SoftSphere {
         duration_s: f64,
         go_on: &mut dyn FnMut() -> bool,
     ) -> Result<Report, PkdError> {
-        self.evolve_on(Processor::present(), spheres, duration_s, go_on)
+        self.evolve_on(Level::in_use(), spheres, duration_s, go_on)
     }
 
     /// What the contacts do to each sphere at this moment: forces (N) and torques about its centre (N m), without gravity.
@@ -146,15 +146,15 @@ impl SoftSphere {
         self.history.fits(spheres.len())?;
         let parameters = SoftSphereParameters { gravity: Gravity::Off, ..self.parameters.clone() };
         let law = Coefficients::new(&parameters, stiffness.normal_n_m, stiffness.step_s);
-        let (processor, gravity) = (Processor::present(), &mut self.gravity);
-        let mut engine = Engine::new(processor, gravity, &parameters, law, spheres, &self.history)?;
+        let (level, gravity) = (Level::in_use(), &mut self.gravity);
+        let mut engine = Engine::new(level, gravity, &parameters, law, spheres, &self.history)?;
         let (force_n, torque_n_m) = engine.contact_forces();
         Ok(ContactForces { force_n, torque_n_m })
     }
 
     fn evolve_on(
         &mut self,
-        processor: Processor,
+        level: Level,
         spheres: &mut Spheres,
         duration_s: f64,
         go_on: &mut dyn FnMut() -> bool,
@@ -171,7 +171,7 @@ impl SoftSphere {
 
         let before = mass_properties(spheres)?;
         let mut start = self.parameters.ledger.then(|| self.energy(spheres, &before));
-        let mut engine = Engine::new(processor, &mut self.gravity, &self.parameters, law, spheres, &self.history)?;
+        let mut engine = Engine::new(level, &mut self.gravity, &self.parameters, law, spheres, &self.history)?;
         if let Some(start) = &mut start {
             start.add_springs(&engine.springs().1);
         }

@@ -4,6 +4,7 @@ use nalgebra::{Rotation3, Unit};
 
 use super::*;
 use crate::packing::{EllipsoidPacking, Grain, PACKING_FRACTION, Seed, ellipsoid_packing};
+use crate::simd::Level;
 use crate::soft_sphere::record::SPINS;
 use crate::soft_sphere::{Friction, Sliding, SlidingCap, SoftSphere};
 
@@ -30,7 +31,7 @@ fn on_a_plane(sliding: Sliding, held: bool, load: f64, pull: f64, duration: f64)
     let step = std::f64::consts::PI * (1000.0 / STIFFNESS).sqrt() / 100.0;
     let (mut gravity, history) = (crate::gravity::Gravity::default(), ContactHistory::default());
     let law = law(&parameters, step);
-    let mut engine = Engine::new(Processor::present(), &mut gravity, &parameters, law, &spheres, &history).unwrap();
+    let mut engine = Engine::new(Level::in_use(), &mut gravity, &parameters, law, &spheres, &history).unwrap();
     let quads = record::quads(engine.model);
     let row = |engine: &Engine, caller: u32| engine.rows.iter().position(|r| *r == caller).unwrap() * quads;
     let (plane, block) = (row(&engine, 0), row(&engine, 1));
@@ -123,8 +124,7 @@ fn revolve(axis: Vector3<f64>) {
     // The spin for which the steps, which are not small, hold no sliding: the chord in place of the arc.
     let spin = 2.0 * (0.5 * angle).tan();
     let mut engine =
-        Engine::new(Processor::present(), &mut gravity, &parameters, law(&parameters, 1.0), &spheres, &history)
-            .unwrap();
+        Engine::new(Level::in_use(), &mut gravity, &parameters, law(&parameters, 1.0), &spheres, &history).unwrap();
     let quads = record::quads(engine.model);
     for turn in 1..=10_000 * STEPS {
         let at = |k: u32| Rotation3::from_axis_angle(&axis, angle * f64::from(k % STEPS)) * place;
@@ -184,7 +184,7 @@ fn frozen_field_is_exact_in_rigid_rotation_and_off_by_a_tenth_of_displacements()
     for delta in [0.0, 1e-3, 1e-2, 5e-2] {
         let (mut gravity, history) = (crate::gravity::Gravity::default(), ContactHistory::default());
         let law = law(&parameters, 1.0);
-        let mut engine = Engine::new(Processor::present(), &mut gravity, &parameters, law, &spheres, &history).unwrap();
+        let mut engine = Engine::new(Level::in_use(), &mut gravity, &parameters, law, &spheres, &history).unwrap();
         let quads = record::quads(engine.model);
         // Normal deviates of rms size delta from a fixed sequence.
         let mut state = 1_u64;
@@ -226,17 +226,15 @@ fn plain_kernels_give_the_bytes_of_the_vector_ones() {
                 for c in [&mut start.x, &mut start.y, &mut start.z] {
                     c.iter_mut().for_each(|c| *c *= 0.98);
                 }
-                let on = |processor| {
+                let on = |level| {
                     let (mut spheres, mut soft) = (start.clone(), SoftSphere::new(parameters.clone()));
-                    let report = soft.evolve_on(processor, &mut spheres, 4.0, &mut || true).unwrap();
+                    let report = soft.evolve_on(level, &mut spheres, 4.0, &mut || true).unwrap();
                     (spheres, soft.history, report)
                 };
-                let plain = on(Processor::Any);
+                let plain = on(Level::Scalar);
                 assert!(plain.2.contacts > 10, "{:?}", plain.2);
-                assert_eq!(plain, on(Processor::present()));
-                #[cfg(target_arch = "x86_64")]
-                if Processor::Avx2 < Processor::present() {
-                    assert_eq!(plain, on(Processor::Avx2));
+                for level in Level::available() {
+                    assert_eq!(plain, on(level), "{}", level.name());
                 }
             }
         }
