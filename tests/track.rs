@@ -190,3 +190,95 @@ fn python_package_gives_the_same_outcomes() {
         assert!((-early..480.0).contains(&late), "{ours} {theirs}");
     }
 }
+
+/// One sphere of 100 m and 2000 kg/m3 at the origin, at rest.
+const STONE: &str = "x_m,y_m,z_m,vx_m_s,vy_m_s,vz_m_s,wx_rad_s,wy_rad_s,wz_rad_s,mass_kg,radius_m\n\
+                     0,0,0,0,0,0,0,0,0,8377580409.57,100\n";
+
+fn one_row(position: [f64; 3], velocity: [f64; 3], mass: f64, radius: f64) -> String {
+    let [x, y, z] = position;
+    let [vx, vy, vz] = velocity;
+    format!(
+        "x_m,y_m,z_m,vx_m_s,vy_m_s,vz_m_s,wx_rad_s,wy_rad_s,wz_rad_s,mass_kg,radius_m\n\
+         {x},{y},{z},{vx},{vy},{vz},0,0,0,{mass},{radius}\n"
+    )
+}
+
+/// Follows one body against the stone, as a shed one or as a companion.
+fn against_the_stone(how: &str, row: &str) -> serde_json::Value {
+    let folder = tempfile::tempdir().unwrap();
+    let [stone, other] = ["stone.csv", "other.csv"].map(|name| folder.path().join(name));
+    std::fs::write(&stone, STONE).unwrap();
+    std::fs::write(&other, row).unwrap();
+    let output = yorp(&["track", stone.to_str().unwrap(), how, other.to_str().unwrap(), "--json"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// Time (s) in which two points fall from a distance to another with this speed inwards at first: the integral of dr / v.
+fn fall_s(gm: f64, from: f64, to: f64, speed: f64) -> f64 {
+    let steps = 200_000;
+    let dr = (from - to) / f64::from(steps);
+    let v = |r: f64| (speed * speed + 2.0 * gm * (1.0 / r - 1.0 / from)).sqrt();
+    (0..steps).map(|k| dr / v(to + (f64::from(k) + 0.5) * dr)).sum()
+}
+
+#[test]
+fn what_comes_in_from_afar_falls_and_does_not_escape() {
+    let gm = 6.6743e-11 * 8377580409.57;
+    for (distance, speed) in [(10_000.0, 10.0), (10_000.0, 1.0), (50_000.0, 25.0), (3000.0, 0.2)] {
+        let result = against_the_stone("--shed", &one_row([distance, 0.0, 0.0], [-speed, 0.0, 0.0], 1.0, 0.01));
+        let fate = &result["fates"][0];
+        assert_eq!(fate["fate"], "reimpact", "{fate}");
+        let (t, expected) = (fate["t_s"].as_f64().unwrap(), fall_s(gm, distance, 100.01, speed));
+        assert!((t / expected - 1.0).abs() < 1e-4, "{t} {expected}");
+    }
+    // The same speed outwards is an escape.
+    let result = against_the_stone("--shed", &one_row([10_000.0, 0.0, 0.0], [10.0, 0.0, 0.0], 1.0, 0.01));
+    assert_eq!(result["fates"][0]["fate"], "escape");
+}
+
+#[test]
+fn passes_are_hits_by_their_nearest_point_whatever_the_speed() {
+    for speed in [30.0, 300.0, 1000.0, 30_000.0] {
+        for (distance, fate) in
+            [(100.009, "reimpact"), (100.0, "reimpact"), (99.0, "reimpact"), (100.02, "escape"), (103.0, "escape")]
+        {
+            for sign in [1.0, -1.0] {
+                let row = one_row([5000.0, sign * distance, 0.0], [-speed, 0.0, 0.0], 1.0, 0.01);
+                let found = against_the_stone("--shed", &row);
+                // Gravity bends the slow ones inwards.
+                let bent = 6.6743e-11 * 8377580409.57 / (speed * speed);
+                let fate = if distance - bent < 100.01 { "reimpact" } else { fate };
+                assert_eq!(found["fates"][0]["fate"], fate, "{speed} {distance}: {found}");
+            }
+        }
+    }
+}
+
+#[test]
+fn two_bodies_that_close_in_collide_when_they_meet() {
+    let mass = 8377580409.57;
+    let gm = 6.6743e-11 * 2.0 * mass;
+    for (distance, speed) in
+        [(5000.0, 1.0), (5000.0, 0.0), (20_000.0, 5.0), (20_000.0, 100.0), (1000.0, 0.01), (202.0, 0.0)]
+    {
+        let result = against_the_stone("--companion", &one_row([distance, 0.0, 0.0], [-speed, 0.0, 0.0], mass, 100.0));
+        assert_eq!(result["fate"], "collided", "{distance} {speed}: {result}");
+        let (t, expected) = (result["t_s"].as_f64().unwrap(), fall_s(gm, distance, 200.0, speed));
+        assert!((t / expected - 1.0).abs() < 1e-3, "{distance} {speed}: {t} {expected}");
+        assert!(result["energy_drift"].as_f64().unwrap() < 1e-3, "{result}");
+    }
+}
+
+#[test]
+fn two_bodies_graze_by_their_nearest_point() {
+    let mass = 8377580409.57;
+    for speed in [20.0, 200.0, 5000.0] {
+        for (distance, fate) in [(199.5, "collided"), (199.99, "collided"), (200.5, "separated")] {
+            let row = one_row([9000.0, distance, 0.0], [-speed, 0.0, 0.0], mass, 100.0);
+            let result = against_the_stone("--companion", &row);
+            assert_eq!(result["fate"], fate, "{speed} {distance}: {result}");
+        }
+    }
+}

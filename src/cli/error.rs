@@ -127,9 +127,10 @@ impl From<ExportError> for CliError {
 impl From<ShedError> for CliError {
     fn from(error: ShedError) -> Self {
         match error {
-            ShedError::Rebound { .. } | ShedError::BecameNonFinite { .. } | ShedError::StepVanished { .. } => {
-                Self::numerical(error)
-            }
+            ShedError::Rebound { .. }
+            | ShedError::BecameNonFinite { .. }
+            | ShedError::StepVanished { .. }
+            | ShedError::EnergyNotKept { .. } => Self::numerical(error),
             _ => Self::input(error),
         }
     }

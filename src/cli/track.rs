@@ -90,9 +90,17 @@ fn read_shed(file: &Path) -> Result<Spheres, CliError> {
 fn about_the_primary(spheres: Spheres, shed: &Spheres) -> Result<(Primary, Vec<ShedBody>), CliError> {
     let properties = mass_properties(&spheres).map_err(CliError::input)?;
     let omega = properties.angular_velocity();
+    if omega.norm() == 0.0 {
+        eprintln!(
+            "warning: the aggregate does not rotate: its velocities and spins carry no angular momentum (columns vx_m_s to wz_rad_s)"
+        );
+    }
     let tilt_deg = omega.xy().norm().atan2(omega.z.abs()).to_degrees();
     if tilt_deg > TILTED_DEG {
-        eprintln!("warning: the aggregate turns about an axis {tilt_deg:.1} deg from z; it is followed about z");
+        eprintln!(
+            "warning: the aggregate turns about an axis {tilt_deg:.1} deg from z; it is followed about z, and what lies across z is \
+             left out"
+        );
     }
     let body = |i: usize| ShedBody {
         position: (nalgebra::Vector3::from(shed.position(i)) - properties.centre).into(),

@@ -30,7 +30,7 @@ pub struct Budget {
 }
 
 /// Angular momentum of a body about the primary's centre, kg m^2/s.
-pub(super) fn angular_momentum(body: &ShedBody) -> [f64; 3] {
+fn angular_momentum(body: &ShedBody) -> [f64; 3] {
     let orbital = cross(body.position, body.velocity);
     let inertia = 0.4 * body.radius * body.radius;
     std::array::from_fn(|k| body.mass * (orbital[k] + inertia * body.spin[k]))

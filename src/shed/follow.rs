@@ -1,9 +1,9 @@
 //! Follows shed bodies step by step and decides what became of them.
 
-use super::budget::{Budget, angular_momentum};
+use super::budget::Budget;
 use super::forces::{AU_M, Field, GM_SUN};
 use super::mascons::{cross, minus, norm};
-use super::orbit::{Elements, elements, specific_energy};
+use super::orbit::{Elements, elements, leaves_for_good, specific_energy};
 use super::rebound::Simulation;
 use super::{Fate, Primary, ShedBody, ShedError, TrackOptions, Tracks};
 
@@ -142,7 +142,7 @@ impl Run<'_> {
             self.unconverged += simulation.unconverged();
         }
         let t_s = self.t_s;
-        for traveller in std::mem::take(&mut self.travellers) {
+        while let Some(traveller) = self.travellers.pop() {
             let fate = traveller.bound_fate(t_s);
             self.end(&traveller, fate);
         }
@@ -231,7 +231,7 @@ impl Run<'_> {
                 let far = norm(at) - bound - radius;
                 if far > 0.0 { far } else { field.mascons.clearance(field.to_body(t, at), radius).0 }
             };
-            found(first_contact(gap, t0, t1, looks), Event::Reimpact { traveller: k });
+            found(first_contact(gap, [t0, t1], looks, speed + surface), Event::Reimpact { traveller: k });
         }
         for i in 0..self.travellers.len() {
             for j in i + 1..self.travellers.len() {
@@ -250,7 +250,7 @@ impl Run<'_> {
                 let (path_a, path_b) = (self.path(&before[i], i, t0, t1), self.path(&before[j], j, t0, t1));
                 let looks = speed * (t1 - t0) / (LOOK_EVERY_RADII * radii);
                 let gap = |t: f64| norm(minus(path_a.at(t).0, path_b.at(t).0)) - radii;
-                found(first_contact(gap, t0, t1, looks), Event::Meeting { pair: [i, j] });
+                found(first_contact(gap, [t0, t1], looks, speed), Event::Meeting { pair: [i, j] });
             }
         }
         first
@@ -320,12 +320,15 @@ impl Run<'_> {
         let far = (ESCAPE_RADII * self.field.mascons.bounding_radius_m).max(ESCAPE_HILL_RADII * hill);
         let t_s = self.t_s;
         let energy = |b: &ShedBody| specific_energy(gm, b.position, b.velocity);
-        let gone: Vec<Traveller> =
-            self.travellers.extract_if(.., |t| norm(t.body.position) > far && energy(&t.body) > 0.0).collect();
-        for traveller in &gone {
-            self.end(traveller, Fate::Escape { t_s, speed_m_s: (2.0 * energy(&traveller.body)).sqrt() });
+        let leaves = |t: &Traveller| leaves_for_good(gm, far, t.body.position, t.body.velocity);
+        let mut any = false;
+        // One after the other, so that each is seen against all that is still there.
+        while let Some(k) = self.travellers.iter().position(leaves) {
+            let gone = self.travellers.remove(k);
+            self.end(&gone, Fate::Escape { t_s, speed_m_s: (2.0 * energy(&gone.body)).sqrt() });
+            any = true;
         }
-        !gone.is_empty()
+        any
     }
 
     fn end(&mut self, traveller: &Traveller, fate: Fate) {
@@ -337,9 +340,23 @@ impl Run<'_> {
             self.jacobi_drift[traveller.index] = Some((end - start).abs() / scale);
         }
         if !matches!(fate, Fate::Merged { .. }) {
-            self.angular_momentum[traveller.index] = Some(angular_momentum(&traveller.body));
+            self.angular_momentum[traveller.index] = Some(self.taken_by(&traveller.body));
         }
         self.fates[traveller.index] = Some(fate);
+    }
+
+    /// What `body` takes out of the angular momentum of the primary and those that are still on the way.
+    fn taken_by(&self, body: &ShedBody) -> [f64; 3] {
+        let others = self.travellers.iter().map(|t| &t.body);
+        let rest: f64 = self.field.mascons.gm / pkd::constants::G + others.clone().map(|b| b.mass).sum::<f64>();
+        // The primary stands at the origin.
+        let mean = |of: fn(&ShedBody) -> [f64; 3]| -> [f64; 3] {
+            std::array::from_fn(|k| others.clone().map(|b| b.mass * of(b)[k]).sum::<f64>() / rest)
+        };
+        let (centre, drift) = (mean(|b| b.position), mean(|b| b.velocity));
+        let orbital = cross(minus(body.position, centre), minus(body.velocity, drift));
+        let (reduced, inertia) = (body.mass * rest / (body.mass + rest), 0.4 * body.mass * body.radius * body.radius);
+        std::array::from_fn(|k| reduced * orbital[k] + inertia * body.spin[k])
     }
 
     /// Period of a circular orbit at the innermost body, or at the surface where one is among the primary's spheres, s.
@@ -436,28 +453,84 @@ impl Path {
     }
 }
 
-/// The first time at which a gap closes, looked for at evenly spaced times.
+/// The first time at which a gap closes, looked for at evenly spaced times and, where it may have closed and opened again
+/// between two of them, at its minimum: the gap changes at `speed` (m/s) at most.
 ///
 /// A gap that is closed at the start counts only where it shrinks: bodies that part while they touch are let go.
-fn first_contact(gap: impl Fn(f64) -> f64, t0: f64, t1: f64, looks: f64) -> Option<f64> {
+fn first_contact(gap: impl Fn(f64) -> f64, [t0, t1]: [f64; 2], looks: f64, speed: f64) -> Option<f64> {
     let looks = looks.clamp(1.0, MAX_LOOKS).ceil();
     let (mut last_t, mut last_gap) = (t0, gap(t0));
     for k in 1..=looks as u32 {
         let t = t0 + (t1 - t0) * f64::from(k) / looks;
         let now = gap(t);
         if now < 0.0 && now < last_gap {
-            let (mut low, mut high) = (last_t, t);
-            for _ in 0..HALVINGS {
-                let middle = 0.5 * (low + high);
-                if gap(middle) < 0.0 {
-                    high = middle;
-                } else {
-                    low = middle;
-                }
+            return Some(closing(&gap, last_t, t));
+        }
+        if now >= 0.0 && last_gap >= 0.0 && now + last_gap < speed * (t - last_t) {
+            let lowest = minimum(&gap, last_t, t);
+            if gap(lowest) < 0.0 {
+                return Some(closing(&gap, last_t, lowest));
             }
-            return Some(high);
         }
         (last_t, last_gap) = (t, now);
     }
     None
+}
+
+/// When a gap closes between `open` and `closed`.
+fn closing(gap: &impl Fn(f64) -> f64, mut open: f64, mut closed: f64) -> f64 {
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (open + closed);
+        if gap(middle) < 0.0 {
+            closed = middle;
+        } else {
+            open = middle;
+        }
+    }
+    closed
+}
+
+/// Where a gap is smallest between two times, by golden section (Kiefer 1953).
+fn minimum(gap: &impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
+    const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    let (mut left, mut right) = (high - GOLDEN * (high - low), low + GOLDEN * (high - low));
+    let (mut at_left, mut at_right) = (gap(left), gap(right));
+    for _ in 0..HALVINGS {
+        // A gap that is closed is found.
+        if at_left < 0.0 || at_right < 0.0 {
+            break;
+        }
+        if at_left < at_right {
+            (high, right, at_right) = (right, left, at_left);
+            left = high - GOLDEN * (high - low);
+            at_left = gap(left);
+        } else {
+            (low, left, at_left) = (left, right, at_right);
+            right = low + GOLDEN * (high - low);
+            at_right = gap(right);
+        }
+    }
+    if at_left < at_right { left } else { right }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A straight pass at distances around that of contact, seen at one, two or ten times.
+    #[test]
+    fn a_grazing_contact_between_two_looks_is_found_and_a_miss_is_none() {
+        for looks in [1.0, 2.0, 10.0, 333.0] {
+            for (distance, meets) in
+                [(99.0, true), (99.999, true), (99.999_999, true), (100.000_001, false), (101.0, false)]
+            {
+                let gap = |t: f64| (distance * distance + (1000.0 * (t - 3.3)).powi(2)).sqrt() - 100.0;
+                let found = first_contact(gap, [0.0, 10.0], looks, 1000.0);
+                assert_eq!(found.is_some(), meets, "{looks} {distance}");
+                if let Some(t) = found {
+                    assert!(gap(t).abs() < 1e-9 && t <= 3.3, "{t}");
+                }
+            }
+        }
+    }
 }

@@ -105,7 +105,7 @@ pub enum Fate {
         /// The sphere of the primary that it met.
         sphere: usize,
     },
-    /// It left for good: positive two-body energy beyond 20 radii of the body and half of its Hill sphere.
+    /// It left for good: outwards with positive two-body energy beyond 20 radii of the body and half of its Hill sphere.
     Escape {
         /// When it crossed that distance, s.
         t_s: f64,
@@ -149,7 +149,8 @@ impl Fate {
 pub struct Tracks {
     /// One fate a body, in the order given.
     pub fates: Vec<Fate>,
-    /// Angular momentum of each at its end, kg m^2/s; `None` for merged ones, whose survivor has it.
+    /// What each takes out of the angular momentum of all the rest about the rest's centre of mass when it is taken off the list,
+    /// kg m^2/s: mu r x v and its spin. `None` for merged ones, whose survivor has it.
     pub angular_momentum: Vec<Option<[f64; 3]>>,
     /// Change of each Jacobi constant from start to end over GM / r, r where it started or the primary's radius if that is
     /// larger; `None` if it took part in a merger.
@@ -225,6 +226,19 @@ pub enum ShedError {
         body: usize,
         /// When, s.
         t_s: f64,
+    },
+    /// Two aggregates whose energy is not kept however short the steps are.
+    #[error(
+        "the energy of the two bodies changed by {drift:.1e} of their largest kinetic energy in steps of {step_s:e} s on average; \
+         at most {allowed:e} is allowed, and shorter steps did not help"
+    )]
+    EnergyNotKept {
+        /// Change over the largest kinetic energy.
+        drift: f64,
+        /// What is allowed.
+        allowed: f64,
+        /// Mean step of the last try, s.
+        step_s: f64,
     },
     /// Time stands still.
     #[error("the step of the integrator fell to {dt_s:e} s at {t_s} s; a larger ias15_tolerance may help")]

@@ -18,6 +18,11 @@ pub(super) fn specific_energy(gm: f64, position: [f64; 3], velocity: [f64; 3]) -
     0.5 * dot(velocity, velocity) - gm / norm(position)
 }
 
+/// Whether a position (m) and velocity (m/s) lead away for good: outwards, beyond `far` (m), with positive two-body energy.
+pub(super) fn leaves_for_good(gm: f64, far: f64, position: [f64; 3], velocity: [f64; 3]) -> bool {
+    norm(position) > far && dot(position, velocity) > 0.0 && specific_energy(gm, position, velocity) > 0.0
+}
+
 /// Elements of a position (m) and velocity (m/s) about `gm` (m^3/s^2).
 pub(super) fn elements(gm: f64, position: [f64; 3], velocity: [f64; 3]) -> Elements {
     let h = cross(position, velocity);

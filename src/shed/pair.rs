@@ -1,8 +1,9 @@
 //! Two rigid aggregates of mascons after a fission: their orbit and spins until they meet, part or have stayed together.
 //!
 //! Leapfrog with the splitting of Dullweber, Leimkuhler & McLachlan 1997 (J. Chem. Phys. 107, 5840) for the rotations:
-//! time-reversible, angular momentum kept to round-off. Every mascon of one body is pulled by all mascons of the other (or
-//! by its multipoles, within the stated error).
+//! angular momentum kept to round-off. Every mascon of one body is pulled by all mascons of the other (or by its multipoles,
+//! within the stated error). Steps are a share of the fastest motion at the place where the bodies are, so that a fall from afar
+//! does not jump over its end, and the whole way is gone again in finer steps until the energy is kept.
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use pkd::Spheres;
@@ -11,11 +12,20 @@ use pkd::mass_properties::mass_properties;
 use super::forces::{AU_M, GM_SUN};
 use super::mascons::Mascons;
 use super::multipole::Multipole;
-use super::orbit::{Elements, elements, specific_energy};
+use super::orbit::{Elements, elements, leaves_for_good, specific_energy};
 use super::{ShedError, TrackOptions};
 
-/// Steps in the shorter of both spin periods and of the orbital period at contact.
+/// Steps in the shortest of both spin periods, of the orbital period at the present distance, and of 2 pi times the time in
+/// which the bodies would meet: at first, and how much finer each repetition is.
 const STEPS_PER_PERIOD: f64 = 200.0;
+const FINER: f64 = 4.0;
+const MAX_TRIES: i32 = 4;
+/// Largest change of the energy over the largest kinetic energy: that of the first steps on usual orbits is a tenth of it.
+const ENERGY_KEPT: f64 = 1e-3;
+/// Near contact a step brings the surfaces nearer by no more than this share of the smallest radius.
+const NEAR_CONTACT: f64 = 0.1;
+/// Halvings of the step in which the bodies come into contact, and looks for the nearest point of a pass.
+const HALVINGS: usize = 40;
 /// Separated bodies are beyond this many sums of radii, and beyond this share of the Hill radius.
 const ESCAPE_RADII: f64 = 20.0;
 const ESCAPE_HILL_RADII: f64 = 0.5;
@@ -35,7 +45,7 @@ pub struct PairTrack {
     pub angular_momentum_drift: f64,
     /// Steps done.
     pub steps: u64,
-    /// Length of a step, s.
+    /// Mean length of a step, s.
     pub step_s: f64,
 }
 
@@ -78,6 +88,12 @@ struct Rigid {
     radius: Vec<f64>,
     mass: f64,
     moments: Vector3<f64>,
+    motion: Motion,
+}
+
+/// Where an aggregate is and how it moves.
+#[derive(Debug, Clone, Copy)]
+struct Motion {
     /// From the principal to inertial axes.
     attitude: Matrix3<f64>,
     /// Angular momentum in principal axes.
@@ -104,46 +120,50 @@ impl Rigid {
             radius: own.radius,
             mass: properties.mass,
             moments: properties.moments,
-            attitude: properties.axes,
-            momentum: to_body * properties.angular_momentum,
-            position: properties.centre,
-            velocity: properties.velocity,
+            motion: Motion {
+                attitude: properties.axes,
+                momentum: to_body * properties.angular_momentum,
+                position: properties.centre,
+                velocity: properties.velocity,
+            },
         })
     }
 
     fn spin(&self) -> Vector3<f64> {
-        self.momentum.component_div(&self.moments)
+        self.motion.momentum.component_div(&self.moments)
     }
 
     fn kinetic(&self) -> f64 {
-        0.5 * self.mass * self.velocity.norm_squared() + 0.5 * self.momentum.dot(&self.spin())
+        0.5 * self.mass * self.motion.velocity.norm_squared() + 0.5 * self.motion.momentum.dot(&self.spin())
     }
 
     fn angular_momentum(&self) -> Vector3<f64> {
-        self.mass * self.position.cross(&self.velocity) + self.attitude * self.momentum
+        let Motion { attitude, momentum, position, velocity } = self.motion;
+        self.mass * position.cross(&velocity) + attitude * momentum
     }
 
     /// Free motion for `h` seconds.
     fn drift(&mut self, h: f64) {
-        self.position += h * self.velocity;
+        let motion = &mut self.motion;
+        motion.position += h * motion.velocity;
         for (axis, share) in [(0, 0.5), (1, 0.5), (2, 1.0), (1, 0.5), (0, 0.5)] {
-            let angle = share * h * self.momentum[axis] / self.moments[axis];
+            let angle = share * h * motion.momentum[axis] / self.moments[axis];
             let turn = Rotation3::from_axis_angle(&Vector3::ith_axis(axis), angle);
-            self.momentum = turn.inverse() * self.momentum;
-            self.attitude *= turn.matrix();
+            motion.momentum = turn.inverse() * motion.momentum;
+            motion.attitude *= turn.matrix();
         }
     }
 
     fn kick(&mut self, force: Vector3<f64>, torque: Vector3<f64>, h: f64) {
-        self.velocity += h / self.mass * force;
-        self.momentum += h * (self.attitude.transpose() * torque);
+        self.motion.velocity += h / self.mass * force;
+        self.motion.momentum += h * (self.motion.attitude.transpose() * torque);
     }
 }
 
 /// Follows two aggregates, given in one inertial frame, as rigid bodies.
 ///
 /// # Errors
-/// [`ShedError`]: options out of range, or aggregates that overlap at the start or become non-finite.
+/// [`ShedError`]: options out of range, aggregates that overlap at the start or become non-finite, or energy that is not kept.
 pub fn follow_pair(first: &Spheres, second: &Spheres, options: &TrackOptions) -> Result<PairTrack, ShedError> {
     options.validate()?;
     // The larger sums over mascons are done by the body that has more of them.
@@ -156,7 +176,20 @@ pub fn follow_pair(first: &Spheres, second: &Spheres, options: &TrackOptions) ->
     if gap < 0.0 {
         return Err(ShedError::AggregatesOverlap { overlap_m: -gap });
     }
-    let mut track = pair.follow(options, gap)?;
+    let start = [pair.a.motion, pair.b.motion];
+    let mut tries = (0..MAX_TRIES).map(|finer| STEPS_PER_PERIOD * FINER.powi(finer));
+    let mut track = loop {
+        let Some(steps) = tries.next() else { unreachable!("the last try returns") };
+        [pair.a.motion, pair.b.motion] = start;
+        let track = pair.follow(options, gap, steps)?;
+        if track.energy_drift <= ENERGY_KEPT {
+            break track;
+        }
+        if tries.len() == 0 {
+            let (drift, step_s) = (track.energy_drift, track.step_s);
+            return Err(ShedError::EnergyNotKept { drift, allowed: ENERGY_KEPT, step_s });
+        }
+    };
     if swap {
         track.spin_rate.reverse();
     }
@@ -166,6 +199,25 @@ pub fn follow_pair(first: &Spheres, second: &Spheres, options: &TrackOptions) ->
 struct Pair {
     a: Rigid,
     b: Rigid,
+}
+
+/// About when within a step of `h` (s) a `gap` is smallest that is `ends` at its ends. A gap that falls or rises all along is
+/// asked for four times only.
+fn nearest(gap: &mut impl FnMut(f64) -> f64, h: f64, ends: [f64; 2]) -> f64 {
+    const INWARDS: f64 = 0.01;
+    let times = [0.0, 0.25 * h, 0.5 * h, 0.75 * h, h];
+    let gaps = [ends[0], gap(times[1]), gap(times[2]), gap(times[3]), ends[1]];
+    let k = (0..5).fold(0, |best, k| if gaps[k] < gaps[best] { k } else { best });
+    let inwards = if k == 0 { INWARDS * h } else { (1.0 - INWARDS) * h };
+    if (k == 0 || k == 4) && gap(inwards) >= gaps[k] {
+        return times[k];
+    }
+    let (mut low, mut high) = (times[k.max(1) - 1], times[k.min(3) + 1]);
+    for _ in 0..HALVINGS {
+        let [left, right] = [low + (high - low) / 3.0, high - (high - low) / 3.0];
+        if gap(left) < gap(right) { high = right } else { low = left }
+    }
+    0.5 * (low + high)
 }
 
 /// Force on `b` and torques on both about their own centres, inertial axes.
@@ -178,20 +230,25 @@ struct Action {
 impl Pair {
     fn recentre(&mut self) {
         let mass = self.a.mass + self.b.mass;
-        let position = (self.a.mass * self.a.position + self.b.mass * self.b.position) / mass;
-        let velocity = (self.a.mass * self.a.velocity + self.b.mass * self.b.velocity) / mass;
+        let (a, b) = (self.a.motion, self.b.motion);
+        let position = (self.a.mass * a.position + self.b.mass * b.position) / mass;
+        let velocity = (self.a.mass * a.velocity + self.b.mass * b.velocity) / mass;
         for body in [&mut self.a, &mut self.b] {
-            body.position -= position;
-            body.velocity -= velocity;
+            body.motion.position -= position;
+            body.motion.velocity -= velocity;
         }
     }
 
-    fn follow(&mut self, options: &TrackOptions, first_gap: f64) -> Result<PairTrack, ShedError> {
+    /// Follows the pair in steps of a share 1 / `steps_per_period` of the fastest motion.
+    fn follow(
+        &mut self,
+        options: &TrackOptions,
+        first_gap: f64,
+        steps_per_period: f64,
+    ) -> Result<PairTrack, ShedError> {
         let gm = self.a.mascons.gm + self.b.mascons.gm;
-        let reach = self.a.mascons.bounding_radius_m + self.b.mascons.bounding_radius_m;
         let hill = options.semimajor_axis_au * AU_M * (gm / (3.0 * GM_SUN)).cbrt();
-        let far = (ESCAPE_RADII * reach).max(ESCAPE_HILL_RADII * hill);
-        let step_s = self.step_s(gm);
+        let far = (ESCAPE_RADII * self.reach()).max(ESCAPE_HILL_RADII * hill);
         let (energy, momentum) = (self.energy(), self.angular_momentum());
         let mut track = PairTrack {
             fate: PairFate::Bound { mean: None },
@@ -200,41 +257,39 @@ impl Pair {
             energy_drift: 0.0,
             angular_momentum_drift: 0.0,
             steps: 0,
-            step_s,
+            step_s: 0.0,
         };
-        let (mut bound_s, mut sums, mut last_gap, mut kinetic) = (0.0, [0.0; 3], first_gap, 0.0f64);
-        let mut action = self.action();
+        let (mut bound_s, mut sums, mut kinetic) = (0.0, [0.0; 3], self.a.kinetic() + self.b.kinetic());
+        let (mut action, mut gap) = (self.action(), first_gap);
         while track.t_s < options.t_max_s {
-            let h = step_s.min(options.t_max_s - track.t_s);
-            self.kick(&action, 0.5 * h);
-            self.a.drift(h);
-            self.b.drift(h);
-            action = self.action();
-            self.kick(&action, 0.5 * h);
-            track.t_s += h;
-            track.steps += 1;
-            let (r, v) = (self.b.position - self.a.position, self.b.velocity - self.a.velocity);
+            let h = self.step_s(gm, gap, steps_per_period).min(options.t_max_s - track.t_s);
+            let before = ([self.a.motion, self.b.motion], gap);
+            let closing_speed = self.surface_speed();
+            let next_action = self.step(&action, h);
+            gap = self.gap_or_less();
+            let (r, v) = self.relative();
             if !(r.norm_squared() + v.norm_squared()).is_finite() {
                 return Err(ShedError::BecameNonFinite { body: 0, t_s: track.t_s });
             }
+            let closing_speed = closing_speed.max(self.surface_speed());
+            let contact = self.contact(before, &action, [h, closing_speed]);
+            let h = contact.unwrap_or(h);
+            (track.t_s, track.steps, action) = (track.t_s + h, track.steps + 1, next_action);
             kinetic = kinetic.max(self.a.kinetic() + self.b.kinetic());
+            let (r, v) = self.relative();
+            if contact.is_some() {
+                track.fate = PairFate::Collided { speed_m_s: v.norm() };
+                break;
+            }
             let orbit = elements(gm, r.into(), v.into());
             if orbit.semimajor_axis_m > 0.0 {
                 bound_s += h;
                 let parts = [orbit.semimajor_axis_m, orbit.eccentricity, orbit.inclination];
                 sums.iter_mut().zip(parts).for_each(|(sum, x)| *sum += h * x);
             }
-            if r.norm() < reach {
-                let gap = self.gap();
-                if gap < 0.0 && gap < last_gap {
-                    track.fate = PairFate::Collided { speed_m_s: v.norm() };
-                    break;
-                }
-                last_gap = gap;
-            }
-            let two_body = specific_energy(gm, r.into(), v.into());
-            if r.norm() > far && two_body > 0.0 {
-                track.fate = PairFate::Separated { speed_m_s: (2.0 * two_body).sqrt() };
+            if leaves_for_good(gm, far, r.into(), v.into()) {
+                let speed_m_s = (2.0 * specific_energy(gm, r.into(), v.into())).sqrt();
+                track.fate = PairFate::Separated { speed_m_s };
                 break;
             }
         }
@@ -244,6 +299,7 @@ impl Pair {
             let [semimajor_axis_m, eccentricity, inclination] = sums.map(|sum| sum / bound_s);
             *mean = Some(Elements { semimajor_axis_m, eccentricity, inclination });
         }
+        track.step_s = if track.steps > 0 { track.t_s / track.steps as f64 } else { 0.0 };
         track.spin_rate = [self.a.spin().norm(), self.b.spin().norm()];
         track.energy_drift = if kinetic > 0.0 { (self.energy() - energy).abs() / kinetic } else { 0.0 };
         track.angular_momentum_drift =
@@ -251,13 +307,88 @@ impl Pair {
         Ok(track)
     }
 
-    /// A share of the fastest motion there is: the spins, or an orbit at contact.
-    fn step_s(&self, gm: f64) -> f64 {
+    /// One step of `h` seconds from a state in which `action` acts; what acts after it.
+    fn step(&mut self, action: &Action, h: f64) -> Action {
+        self.kick(action, 0.5 * h);
+        self.a.drift(h);
+        self.b.drift(h);
+        let next = self.action();
+        self.kick(&next, 0.5 * h);
+        next
+    }
+
+    /// Whether the surfaces met within the step that has been taken from `before`, whose gap is its second part: then how long
+    /// after its start, s, and the bodies are put there. Surfaces come nearer at `closing_speed` at most.
+    ///
+    /// Bodies that touch at the start count only where they come nearer.
+    fn contact(
+        &mut self,
+        (before, gap_before): ([Motion; 2], f64),
+        action: &Action,
+        [h, closing_speed]: [f64; 2],
+    ) -> Option<f64> {
+        let after = [self.a.motion, self.b.motion];
+        let gap_after = self.gap_or_less();
+        let at = |pair: &mut Self, t: f64| {
+            [pair.a.motion, pair.b.motion] = before;
+            pair.step(action, t);
+            pair.gap_or_less()
+        };
+        let mut closed = h;
+        if gap_after >= 0.0 || gap_after >= gap_before {
+            if gap_before < 0.0 || gap_after < 0.0 || gap_before + gap_after >= closing_speed * h {
+                return None;
+            }
+            // It may have been nearer in between.
+            closed = nearest(&mut |t| at(self, t), h, [gap_before, gap_after]);
+            if at(self, closed) >= 0.0 {
+                [self.a.motion, self.b.motion] = after;
+                return None;
+            }
+        }
+        let mut open = 0.0;
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (open + closed);
+            if at(self, middle) < 0.0 { closed = middle } else { open = middle }
+        }
+        at(self, closed);
+        Some(closed)
+    }
+
+    /// A share of the fastest motion there is: the spins, an orbit at this distance, or the way to contact.
+    fn step_s(&self, gm: f64, gap: f64, steps_per_period: f64) -> f64 {
+        let (r, v) = self.relative();
         // One may lie in a hollow of the other, centre on centre.
         let radius = self.a.mascons.bounding_radius_m.max(self.b.mascons.bounding_radius_m);
-        let nearest = (self.b.position - self.a.position).norm().max(radius);
-        let orbit = (gm / nearest.powi(3)).sqrt();
-        std::f64::consts::TAU / orbit.max(self.a.spin().norm()).max(self.b.spin().norm()) / STEPS_PER_PERIOD
+        let distance = r.norm().max(radius);
+        let orbit = (gm / distance.powi(3)).sqrt();
+        let rate = orbit.max(self.a.spin().norm()).max(self.b.spin().norm()).max(v.norm() / distance);
+        let near = NEAR_CONTACT * self.a.mascons.smallest_radius_m().min(self.b.mascons.smallest_radius_m());
+        let to_contact = gap.max(near) / self.surface_speed().max(f64::MIN_POSITIVE);
+        (std::f64::consts::TAU / rate / steps_per_period).min(to_contact)
+    }
+
+    /// How fast surfaces can come nearer now, m/s.
+    fn surface_speed(&self) -> f64 {
+        let turning = |body: &Rigid| body.spin().norm() * body.mascons.bounding_radius_m;
+        self.relative().1.norm() + turning(&self.a) + turning(&self.b)
+    }
+
+    /// Sum of the radii around both, m.
+    fn reach(&self) -> f64 {
+        self.a.mascons.bounding_radius_m + self.b.mascons.bounding_radius_m
+    }
+
+    /// Position (m) and velocity (m/s) of the second body relative to the first.
+    fn relative(&self) -> (Vector3<f64>, Vector3<f64>) {
+        let (a, b) = (self.a.motion, self.b.motion);
+        (b.position - a.position, b.velocity - a.velocity)
+    }
+
+    /// The gap between the surfaces, m; where the bodies are far apart, what it is at least.
+    fn gap_or_less(&self) -> f64 {
+        let at_least = self.relative().0.norm() - self.reach();
+        if at_least > 0.0 { at_least } else { self.gap() }
     }
 
     fn kick(&mut self, action: &Action, h: f64) {
@@ -276,16 +407,16 @@ impl Pair {
             about_a += at.cross(&on_mascon);
         }
         // In principal axes of `a`; the reaction on `a` acts where the mascons of `b` are.
-        let to_b = self.a.attitude.transpose() * (self.b.position - self.a.position);
+        let inertial = self.a.motion.attitude;
+        let to_b = inertial.transpose() * self.relative().0;
         about_b += about_a - to_b.cross(&force);
-        let inertial = self.a.attitude;
         Action { force: inertial * force, torque_a: inertial * -about_a, torque_b: inertial * about_b }
     }
 
     /// Mascons of `b` in the principal axes of `a`, with their masses.
     fn of_b_seen_from_a(&self) -> impl Iterator<Item = (Vector3<f64>, f64)> {
-        let to_a = self.a.attitude.transpose();
-        let (turn, shift) = (to_a * self.b.attitude, to_a * (self.b.position - self.a.position));
+        let to_a = self.a.motion.attitude.transpose();
+        let (turn, shift) = (to_a * self.b.motion.attitude, to_a * self.relative().0);
         self.b.points.iter().map(move |(point, mass)| (turn * point + shift, *mass))
     }
 

@@ -360,7 +360,7 @@ pub struct FateRecord {
     pub into: Option<u32>,
     /// Whether it went back to the body and is no loss.
     pub returned: bool,
-    /// Angular momentum about the body's centre at its end, kg m^2/s; `None` for merged ones, whose survivor has it.
+    /// What it took away from the body, kg m^2/s; `None` for those that came back, and for merged ones, whose survivor has it.
     pub angular_momentum: Option<[f64; 3]>,
 }
 

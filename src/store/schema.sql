@@ -181,7 +181,7 @@ CREATE TABLE fate (
     within_3_radii   REAL,                      -- share of the time that it spent there
     into_sphere      INTEGER,                   -- the one it merged with
     returned         INTEGER NOT NULL,          -- 1: went back to the body and is not in table loss
-    angular_momentum BLOB                       -- f64, 3: at its end, about the body's centre; of merged ones the survivor's
+    angular_momentum BLOB                       -- f64, 3: what it took away from the body; null if it came back or merged
 ) STRICT;
 
 -- How the pieces of a fission went on, if the scene asks for it.
