@@ -3,7 +3,7 @@
 use miette::{Diagnostic, IntoDiagnostic, LabeledSpan, NamedSource, Report, SourceCode};
 
 use crate::evolve::EvolveError;
-use crate::exchange::{AggregateFileError, MeshFileError, UnknownFormat, WriteError};
+use crate::exchange::{AggregateFileError, MeshFileError, RefusedOutput, UnknownFormat, WriteError};
 use crate::export::ExportError;
 use crate::report::figures::SaveError;
 use crate::scene::SceneError;
@@ -81,6 +81,12 @@ impl From<MeshFileError> for CliError {
 
 impl From<UnknownFormat> for CliError {
     fn from(error: UnknownFormat) -> Self {
+        Self::input(error)
+    }
+}
+
+impl From<RefusedOutput> for CliError {
+    fn from(error: RefusedOutput) -> Self {
         Self::input(error)
     }
 }

@@ -48,6 +48,7 @@ struct Fit {
 pub(super) fn run(arguments: &Arguments, as_json: bool) -> Result<(), CliError> {
     let start = Instant::now();
     let format = MeshFormat::of(&arguments.out)?;
+    output::check(&arguments.out, &[&arguments.aggregate])?;
     let spheres = read_aggregate(&arguments.aggregate)?;
     let mass_kg = spheres.total_mass();
     let fit = fit(arguments, &spheres, mass_kg)?;

@@ -9,6 +9,9 @@ pub mod vtk;
 
 pub use aggregate_file::{AggregateFileError, MAX_AGGREGATE_BYTES, read_aggregate};
 pub use mesh_file::{MAX_MESH_BYTES, MeshFileError, read_mesh};
-pub(crate) use output::write_whole;
-pub use output::{AggregateFormat, MeshFormat, UnknownFormat, WriteError, write_aggregate, write_mesh};
+pub use output::{
+    AggregateFormat, GENERATOR, MeshFormat, RefusedOutput, UnknownFormat, WriteError, check_output, check_page,
+    write_aggregate, write_mesh,
+};
+pub(crate) use output::{folder_of, sync_folder, write_durably, write_whole};
 pub use table::{check_table_name, write_table};

@@ -28,6 +28,17 @@ impl SceneFile {
     /// # Errors
     /// [`SceneError`] with the place in the file, what was found and what is allowed.
     pub fn read(file: &Path) -> Result<Self, SceneError> {
+        let (scene, text) = Self::read_alone(file)?;
+        scene.look_for_files(&text)?;
+        Ok(scene)
+    }
+
+    /// Reads and validates the scene in `file`, but not whether the files it names are there: a run whose body has been
+    /// made goes on without them. With the text.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn read_alone(file: &Path) -> Result<(Self, String), SceneError> {
         let unreadable = |source| SceneError::Read { file: file.to_owned(), source };
         let mut bytes = Vec::new();
         // One byte beyond the limit tells a file that is too large, also when it is a pipe without a length.
@@ -40,9 +51,17 @@ impl SceneFile {
             file: file.to_owned(),
             valid_up_to: error.utf8_error().valid_up_to(),
         })?;
-        let scene = Self { scene: Scene::parse(&text, file)?, file: file.to_owned() };
-        scene.look_for_files(&text)?;
-        Ok(scene)
+        Ok((Self { scene: Scene::parse(&text, file)?, file: file.to_owned() }, text))
+    }
+
+    /// The files that the scene is made of: itself, and the one that its body comes from.
+    pub fn inputs(&self) -> Vec<PathBuf> {
+        let body = match &self.scene.body {
+            Body::PackedEllipsoid(_) => None,
+            Body::File(body) => Some(self.resolve(&body.path)),
+            Body::CarvedMesh(body) => Some(self.resolve(&body.path)),
+        };
+        std::iter::once(self.file.clone()).chain(body).collect()
     }
 
     /// A path of the scene, which is relative to the folder of the scene, as a path of this process.
@@ -50,7 +69,11 @@ impl SceneFile {
         self.file.parent().unwrap_or(Path::new("")).join(path)
     }
 
-    fn look_for_files(&self, text: &str) -> Result<(), SceneError> {
+    /// Whether the files that the scene names can be opened; `text` is its own.
+    ///
+    /// # Errors
+    /// [`SceneError::Missing`].
+    pub fn look_for_files(&self, text: &str) -> Result<(), SceneError> {
         let (path, name) = match &self.scene.body {
             Body::PackedEllipsoid(_) => return Ok(()),
             Body::File(body) => ("body.file.path", &body.path),
