@@ -25,6 +25,8 @@ use clap::{Parser, Subcommand};
 
 pub use error::{CliError, Failure};
 
+use crate::exchange::expand_argument;
+
 /// Coupled spin and shape evolution of rubble-pile asteroids under sunlight.
 #[derive(Debug, Parser)]
 #[command(name = "yorp", version, arg_required_else_help = true)]
@@ -71,7 +73,7 @@ enum Command {
 
 /// Runs the command line of this process; the result is its exit code.
 pub fn main() -> u8 {
-    let cli = match Cli::try_parse() {
+    let cli = match Cli::try_parse_from(std::env::args_os().map(expand_argument)) {
         Ok(cli) => cli,
         Err(error) => {
             // Help and version are no errors and go to stdout; a closed pipe is no failure.

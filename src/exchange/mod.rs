@@ -2,12 +2,14 @@
 
 mod aggregate_file;
 pub mod csv;
+mod home;
 mod mesh_file;
 mod output;
 mod table;
 pub mod vtk;
 
 pub use aggregate_file::{AggregateFileError, MAX_AGGREGATE_BYTES, read_aggregate};
+pub use home::{expand_argument, expand_home};
 pub use mesh_file::{MAX_MESH_BYTES, MeshFileError, read_mesh};
 pub use output::{
     AggregateFormat, GENERATOR, MeshFormat, RefusedOutput, UnknownFormat, WriteError, check_output, check_page,
