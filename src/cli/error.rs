@@ -141,6 +141,8 @@ impl From<EvolveError> for CliError {
             EvolveError::Store(store) if store.is_write_failure() => Failure::Write,
             EvolveError::Store(_) | EvolveError::AggregateFile(_) | EvolveError::MeshFile(_) => Failure::Input,
             EvolveError::Reshaped { .. }
+            | EvolveError::Unit { .. }
+            | EvolveError::TooFast { .. }
             | EvolveError::NoRotation
             | EvolveError::Aggregate(_)
             | EvolveError::Contact(_) => Failure::Input,

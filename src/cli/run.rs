@@ -6,10 +6,11 @@ use serde_json::{Map, Value, json};
 
 use super::progress::Reporter;
 use super::{CliError, output};
+use crate::evolve::Observer as _;
 use crate::evolve::driver::{MYR_S, Summary, run as evolve};
 use crate::report::page::part_error;
-use crate::scene::SceneFile;
-use crate::store::{Part, RunReader, Totals, database_path, run_directory, scene_of_torn_copy};
+use crate::scene::{CYCLE_END_PERIOD_H, Scene, SceneFile};
+use crate::store::{Outcome, Part, RunReader, Totals, database_path, run_directory, scene_of_torn_copy};
 
 /// Arguments of `yorp run`.
 #[derive(Debug, clap::Args)]
@@ -32,9 +33,22 @@ pub(super) fn run(arguments: &Arguments, as_json: bool) -> Result<(), CliError> 
     let directory = run_directory(&arguments.out);
     let scene = scene_of(arguments, &directory)?;
     let mut reporter = Reporter::start()?;
+    let duration_myr = scene.scene.evolution.duration_myr;
+    if let Some(until_myr) = arguments.until_myr.filter(|until| *until > duration_myr) {
+        reporter.warn(&format!(
+            "--until-myr {until_myr} is beyond evolution.duration_myr = {duration_myr}, at which the run ends"
+        ));
+    }
     let result = evolve(&scene, &directory, arguments.resume, arguments.until_myr, &mut reporter);
     drop(reporter);
     let summary = result?;
+    if ended_its_cycle(&summary, &scene.scene) {
+        let stop = scene.scene.evolution.stop_period_h.map_or("null".to_owned(), |period| format!("{period} h"));
+        eprintln!(
+            "warning: the body counts as spun down beyond a period of {CYCLE_END_PERIOD_H} h, the end of its YORP cycle, though \
+             evolution.stop_period_h is {stop}"
+        );
+    }
     if as_json { output::json(&as_value(&summary)) } else { output::text(&as_text(&summary, &directory)) }
 }
 
@@ -60,6 +74,12 @@ fn scene_of(arguments: &Arguments, directory: &Path) -> Result<SceneFile, CliErr
             None => Err(error.into()),
         },
     }
+}
+
+/// Whether the run ended as spun down by the limit of every run, not by that of its scene.
+fn ended_its_cycle(summary: &Summary, scene: &Scene) -> bool {
+    let own = scene.evolution.stop_period_h.is_some_and(|period| period <= CYCLE_END_PERIOD_H);
+    summary.ending.outcome == Outcome::SpunDown && !own
 }
 
 fn period_h(summary: &Summary) -> Option<f64> {

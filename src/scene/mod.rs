@@ -6,11 +6,13 @@
 
 mod body;
 mod convert;
+mod cost;
 mod difference;
 mod dynamics;
 mod error;
 mod evolution;
 mod limits;
+mod oddities;
 mod plan;
 mod position;
 mod radiation;
@@ -21,14 +23,16 @@ mod structure;
 
 use serde::{Deserialize, Serialize};
 
-pub use body::{Body, CarvedMesh, FileBody, FillingSpheres, LengthUnit, PackedEllipsoid, Packing};
+pub use body::{Body, CarvedMesh, FileBody, FillingSpheres, Grain, LengthUnit, PackedEllipsoid, Packing};
+pub use cost::{SettlingCost, touching_pair};
 pub use difference::{Difference, first_difference};
 pub use dynamics::{
     BriefQuestion, Contact, GravityMethod, GravityOptions, HardSphereContact, Question, Rebound, ResidualRotation,
     Settling, Shed, SlideVelocity, Spin, Track,
 };
 pub use error::{Location, SceneError};
-pub use evolution::{Evolution, MovementRule, TilingOptions};
+pub use evolution::{CYCLE_END_PERIOD_H, Evolution, MovementRule, TilingOptions};
+pub use oddities::{USUAL_DENSITIES, about_density, oddities, shortest_period_h};
 pub use plan::{Part, Plan};
 pub use radiation::{
     HapkeReflectance, Interpolation, LambertReflectance, MultipleScattering, Orbit, Reflectance, SelfHeating, Surface,
