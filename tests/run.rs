@@ -136,7 +136,7 @@ fn a_directory_that_holds_a_run_is_locked_or_is_not_a_directory_is_refused() {
     std::fs::write(&other, SCENE.replace("\"seed\": 4", "\"seed\": 5")).unwrap();
     refused(&run(&other, &out, &["--resume"]), 2, "seed");
 
-    let lock = std::fs::File::open(out.join("scene.json")).unwrap();
+    let lock = std::fs::File::open(out.join(".lock")).unwrap();
     lock.lock().unwrap();
     refused(&run(&scene, &out, &["--resume"]), 2, "in use");
     drop(lock);

@@ -3,9 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use assert_cmd::Command;
+use common::judge::conforms;
 use proptest::prelude::*;
 use serde_json::{Value, json};
 use yorp::scene::{Body, Contact, Reflectance, Scene, SceneError, SceneFile, json_schema};
+
+mod common;
 
 fn yorp() -> Command {
     Command::cargo_bin("yorp").unwrap()
@@ -141,39 +144,6 @@ fn paper_table_1_is_what_the_scenes_hold() {
     }
 }
 
-/// Whether `value` has only keys that the schema knows, all that it requires, and numbers inside its limits.
-fn conforms(value: &Value, schema: &Value) -> bool {
-    if let Some(variants) = schema.get("oneOf").or(schema.get("anyOf")).and_then(Value::as_array) {
-        return variants.iter().any(|variant| conforms(value, variant));
-    }
-    if let Some(constant) = schema.get("const") {
-        return value == constant;
-    }
-    if let Some(allowed) = schema.get("enum").and_then(Value::as_array) {
-        return allowed.contains(value);
-    }
-    if let Some(number) = value.as_f64() {
-        let bound = |key: &str| schema.get(key).and_then(Value::as_f64);
-        return bound("minimum").is_none_or(|low| number >= low)
-            && bound("exclusiveMinimum").is_none_or(|low| number > low)
-            && bound("maximum").is_none_or(|high| number <= high)
-            && bound("exclusiveMaximum").is_none_or(|high| number < high);
-    }
-    let Some(object) = value.as_object() else {
-        let kinds = schema["type"].to_string();
-        return kinds.contains(if value.is_string() {
-            "string"
-        } else if value.is_null() {
-            "null"
-        } else {
-            "boolean"
-        });
-    };
-    let required = schema.get("required").and_then(Value::as_array).cloned().unwrap_or_default();
-    required.iter().all(|key| object.contains_key(key.as_str().unwrap()))
-        && object.iter().all(|(key, value)| schema["properties"].get(key).is_some_and(|schema| conforms(value, schema)))
-}
-
 #[test]
 fn the_schema_refuses_what_the_reader_refuses() {
     let schema = json_schema();
@@ -278,12 +248,12 @@ fn what_is_no_scene_is_refused_with_place_path_and_what_is_expected() {
     let text = with("\"spheres\": 1000", "\"spheres\": -3");
     refused(&text, &[&place(&text, "-3"), "`body.packed_ellipsoid.spheres`", "`-3`", "at least 10, at most 1000000"]);
     let text = with("\"hapke\"", "\"hapka\"");
-    refused(&text, &["scene.json:13:", "surface.reflectance", "unknown variant `hapka`", "`hapke`, `lambert`, `none`"]);
+    let takes =
+        "`surface.reflectance` takes {\"hapke\": {..}}, {\"lambert\": {..}} or \"none\", found {\"hapka\": {..}}";
+    refused(&text, &["scene.json:13:20", takes]);
     let text = with("\"self_heating\": \"none\"", "\"self_heating\": \"twice\"");
-    refused(
-        &text,
-        &["scene.json:14:", "surface.self_heating", "unknown variant `twice`, expected one of", "`multiple`"],
-    );
+    let takes = "`surface.self_heating` takes \"none\", \"single\" or \"multiple\", found \"twice\"";
+    refused(&text, &[&place(&text, "\"twice\""), takes]);
     let text = with("\"tangential_yorp\": \"none\"", &WALL.replace("0.05", "0"));
     let path = "`surface.tangential_yorp.wall.thickness_m` is 0; allowed: at least 0.00001, at most 100";
     refused(&text, &["scene.json:14:", path]);
@@ -306,6 +276,108 @@ fn broken_json_is_refused_with_its_place() {
     refused(&with("5.74", "NaN"), &["scene.json:6:", "broken JSON"]);
     refused(&"[".repeat(100_000), &["scene.json:1:"]);
     refused(&format!("{COMPLETE} x"), &["scene.json:19:3", "trailing characters"]);
+}
+
+#[test]
+fn what_json_does_not_have_is_said() {
+    let name = "\"name\": \"cotto-figueroa-2015-07\",";
+    for (old, new, hint) in [
+        (name, "\"name\": \"x\", // body 7\n", "JSON has no comments"),
+        (name, "/* body 7 */ \"name\": \"x\",", "JSON has no comments"),
+        (name, "# body 7\n\"name\": \"x\",", "JSON has no comments"),
+        ("\"obliquity_deg\": 5}", "\"obliquity_deg\": 5,}", "JSON has no comma after the last entry"),
+        (
+            "\"shed\": {\"track\": \"none\"}",
+            "\"shed\": {\"track\": \"none\"},",
+            "JSON has no comma after the last entry",
+        ),
+        (name, "'name': 'x',", "JSON puts texts in double quotes"),
+        (name, "\"name\": 'x',", "JSON puts texts in double quotes"),
+        (name, "name: \"x\",", "JSON puts keys in double quotes"),
+        ("5.74", "NaN", "JSON has finite numbers only"),
+        ("5.74", "-Infinity", "JSON has finite numbers only"),
+        ("\"shadows\": true", "\"shadows\": True", "JSON writes true, false and null"),
+        ("\"stop_period_h\": 20", "\"stop_period_h\": None", "JSON writes true, false and null"),
+    ] {
+        refused(&with(old, new), &["scene.json:", "broken JSON", hint]);
+    }
+    refused("// a body\n{}", &["scene.json:1:1", "JSON has no comments"]);
+}
+
+#[test]
+fn a_byte_order_mark_is_no_part_of_a_scene() {
+    assert_eq!(parse(&format!("\u{feff}{COMPLETE}")).unwrap(), parse(COMPLETE).unwrap());
+    let text = with("\"radius_m\": 50.2", "\"radius_m\": -50.2");
+    refused(&format!("\u{feff}{text}"), &[&place(&text, "-50.2"), "`body.packed_ellipsoid.radius_m` is -50.2"]);
+}
+
+#[test]
+fn a_scene_may_name_its_schema() {
+    let named = with("\"format\": 1,", "\"$schema\": \"./scene.schema.json\", \"format\": 1,");
+    assert_eq!(parse(&named).unwrap(), parse(COMPLETE).unwrap());
+    refused(&named.replace("\"./scene.schema.json\"", "1"), &["`$schema`: found `1`, expected a string"]);
+}
+
+#[test]
+fn what_an_alternative_takes_is_said_as_it_would_stand_there() {
+    let contact = "{\"hard_sphere\": {\"restitution_normal\": 0.2, \"restitution_tangential\": 0.5, \"slide_limit\": 0.01, \"collapse_limit\": 1e-5, \"step_s\": 50}}";
+    let takes = "`contact` takes {\"hard_sphere\": {..}} or {\"soft_sphere\": {..}}, found ";
+    for (given, found) in [
+        ("\"soft_sphere\"", "\"soft_sphere\""),
+        ("{\"soft\": {}}", "{\"soft\": {..}}"),
+        ("{\"hard_sphere\": {}, \"soft_sphere\": {}}", "{\"hard_sphere\": {..}, \"soft_sphere\": {..}}"),
+        ("{\"step_s\": 50}", "{\"step_s\": ..}"),
+        ("{}", "{}"),
+        ("null", "null"),
+        ("3", "`3`"),
+        ("[]", "an array"),
+    ] {
+        let text = with(contact, given);
+        refused(&text, &["scene.json:7:14", &format!("{takes}{found}")]);
+    }
+    for (old, new, takes) in [
+        (
+            "\"track\": \"none\"",
+            "\"track\": \"rebound\"",
+            "`shed.track` takes \"none\" or {\"rebound\": {..}}, found \"rebound\"",
+        ),
+        ("\"track\": \"none\"", "\"track\": {\"none\": {}}", "found {\"none\": {..}}"),
+        ("\"movement_rule\": \"robust\"", "\"movement_rule\": true", "takes \"robust\" or \"literal\", found true"),
+        ("\"method\": \"auto\"", "\"method\": \"Direct\"", "takes \"auto\", \"direct\" or \"tree\", found \"Direct\""),
+        (
+            "\"settling\": {",
+            "\"settling\": {\"question\": \"brief\", ",
+            "takes \"full\" or {\"brief\": {..}}, found \"brief\"",
+        ),
+    ] {
+        refused(&with(old, new), &["scene.json:", takes]);
+    }
+}
+
+#[test]
+fn a_tilde_in_a_path_is_the_home_folder() {
+    let (home, folder) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    std::fs::write(home.path().join("pair.csv"), "x_m,y_m,z_m,mass_kg,radius_m\n-50,0,0,1e9,50\n50,0,0,1e9,50\n")
+        .unwrap();
+    std::fs::write(home.path().join("scene.json"), r#"{"body": {"file": {"path": "~/pair.csv"}}}"#).unwrap();
+    // No shell has touched these arguments.
+    let plan = |argument: &str| {
+        let mut command = yorp();
+        command.env("HOME", home.path()).current_dir(&folder).args(["plan", argument]).output().unwrap()
+    };
+    let output = plan("~/scene.json");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let output = plan("./~/scene.json");
+    assert_eq!(output.status.code(), Some(2));
+    let mut build = yorp();
+    build.env("HOME", home.path()).current_dir(&folder).args([
+        "build",
+        "--unsettled",
+        "~/scene.json",
+        "--out=~/made.csv",
+    ]);
+    assert!(build.output().unwrap().status.success());
+    assert!(home.path().join("made.csv").is_file() && !folder.path().join("~").exists());
 }
 
 #[test]

@@ -9,6 +9,7 @@ use crate::report::page::{Align, Html, STYLE, inline_svg, table};
 pub fn page(accuracy: &Accuracy, figure: &str) -> String {
     let mut text = format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"generator\" content=\"yorp\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <title>yorp accuracy</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<h1>Error against run time</h1>\n\
          <p>Each knob is varied with everything else at its default, on bodies of {} spheres. Seconds are CPU seconds, \

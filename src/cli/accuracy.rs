@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::{CliError, output};
 use crate::accuracy::{self, Accuracy, Effort};
-use crate::exchange::WriteError;
+use crate::exchange::{WriteError, check_page, write_whole};
 
 /// Arguments of `yorp accuracy`.
 #[derive(Debug, clap::Args)]
@@ -24,6 +24,8 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), CliError> {
     let knobs = accuracy::select(arguments.part.as_deref()).map_err(CliError::input)?;
     if let Some(folder) = &arguments.out {
+        let [page, others @ ..] = FILES.map(|name| folder.join(name));
+        check_page(&page, others)?;
         // Before the minutes of measuring, not after them.
         std::fs::create_dir_all(folder)
             .map_err(|source| CliError::write(WriteError { file: folder.clone(), source }))?;
@@ -36,18 +38,19 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<(), CliError> {
     if json { output::json(&measured) } else { output::text(&table(&measured)) }
 }
 
-/// Writes the numbers, the figure and the page.
+/// What is written, the page first.
+const FILES: [&str; 4] = ["accuracy.html", "accuracy.json", "accuracy.svg", "accuracy.png"];
+
+/// Writes the page, the numbers and the figure.
 fn save(measured: &Accuracy, folder: &Path) -> Result<(), CliError> {
-    let failed = |file: PathBuf| move |source| CliError::write(WriteError { file, source });
-    let write = |name: &str, text: &str| {
-        let file = folder.join(name);
-        std::fs::write(&file, text).map_err(failed(file))
-    };
+    let [page, numbers, svg, png] = FILES.map(|name| folder.join(name));
     let figure = accuracy::svg(&measured.knobs).map_err(CliError::write)?;
-    write("accuracy.json", &serde_json::to_string_pretty(measured).expect("plain data with string keys"))?;
-    write("accuracy.svg", &figure)?;
-    write("accuracy.html", &accuracy::page(measured, &figure))?;
-    accuracy::save_png(&measured.knobs, &folder.join("accuracy.png")).map_err(CliError::write)
+    // The page first: by it a later measurement knows that the others are ours.
+    write_whole(&page, accuracy::page(measured, &figure).as_bytes())?;
+    let text = serde_json::to_string_pretty(measured).expect("plain data with string keys");
+    write_whole(&numbers, text.as_bytes())?;
+    write_whole(&svg, figure.as_bytes())?;
+    accuracy::save_png(&measured.knobs, &png).map_err(CliError::write)
 }
 
 fn table(measured: &Accuracy) -> String {

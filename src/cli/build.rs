@@ -27,6 +27,7 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments, as_json: bool) -> Result<(), CliError> {
     let scene = SceneFile::read(&arguments.scene)?;
     let format = AggregateFormat::of(&arguments.out).map_err(CliError::input)?;
+    output::check(&arguments.out, &scene.inputs())?;
     let mut reporter = Reporter::start(Leaves::Nothing)?;
     let built = build(&scene, !arguments.unsettled, &mut reporter)?;
     drop(reporter);

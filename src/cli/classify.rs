@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use super::{CliError, output};
 use crate::classify::{Fates, RunClassification, Verdict, classify_run};
+use crate::store::run_directory;
 
 /// Arguments of `yorp classify`.
 #[derive(Debug, clap::Args)]
@@ -14,7 +15,7 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments, as_json: bool) -> Result<(), CliError> {
-    let found = classify_run(&arguments.directory)?;
+    let found = classify_run(&run_directory(&arguments.directory))?;
     if as_json { output::json(&found) } else { output::text(&as_text(&found)) }
 }
 

@@ -3,7 +3,7 @@
 use miette::{Diagnostic, IntoDiagnostic, LabeledSpan, NamedSource, Report, SourceCode};
 
 use crate::evolve::EvolveError;
-use crate::exchange::{AggregateFileError, MeshFileError, UnknownFormat, WriteError};
+use crate::exchange::{AggregateFileError, MeshFileError, RefusedOutput, UnknownFormat, WriteError};
 use crate::export::ExportError;
 use crate::report::figures::SaveError;
 use crate::scene::SceneError;
@@ -92,6 +92,12 @@ impl From<UnknownFormat> for CliError {
     }
 }
 
+impl From<RefusedOutput> for CliError {
+    fn from(error: RefusedOutput) -> Self {
+        Self::input(error)
+    }
+}
+
 impl From<WriteError> for CliError {
     fn from(error: WriteError) -> Self {
         Self::write(error)
@@ -143,6 +149,8 @@ impl From<EvolveError> for CliError {
             EvolveError::Store(store) if store.is_write_failure() => Failure::Write,
             EvolveError::Store(_) | EvolveError::AggregateFile(_) | EvolveError::MeshFile(_) => Failure::Input,
             EvolveError::Reshaped { .. }
+            | EvolveError::Unit { .. }
+            | EvolveError::TooFast { .. }
             | EvolveError::NoRotation
             | EvolveError::Aggregate(_)
             | EvolveError::Contact(_) => Failure::Input,

@@ -7,6 +7,7 @@ use serde_json::json;
 use super::{CliError, output};
 use crate::export::{Format, export};
 use crate::report::RunData;
+use crate::store::run_directory;
 
 /// Arguments of `yorp export`.
 #[derive(Debug, clap::Args)]
@@ -47,8 +48,9 @@ impl FormatName {
 
 pub(super) fn run(arguments: &Arguments, as_json: bool) -> Result<(), CliError> {
     let format = arguments.format.format();
-    let folder = arguments.out.clone().unwrap_or_else(|| arguments.run.join("export").join(format.name()));
-    let run = RunData::read(&arguments.run)?;
+    let directory = run_directory(&arguments.run);
+    let folder = arguments.out.clone().unwrap_or_else(|| directory.join("export").join(format.name()));
+    let run = RunData::read(&directory)?;
     let files = export(&run, &folder, format)?;
     match as_json {
         true => output::json(&json!({"out": folder.display().to_string(), "format": format.name(), "files": files})),

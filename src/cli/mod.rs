@@ -27,6 +27,8 @@ use clap::{Parser, Subcommand};
 
 pub use error::{CliError, Failure};
 
+use crate::exchange::expand_argument;
+
 /// Coupled spin and shape evolution of rubble-pile asteroids under sunlight.
 #[derive(Debug, Parser)]
 #[command(name = "yorp", version = crate::VERSION, arg_required_else_help = true)]
@@ -81,7 +83,7 @@ const HELP_FOR_LACK_OF_ARGUMENTS: clap::error::ErrorKind =
 
 /// Runs the command line of this process; the result is its exit code.
 pub fn main() -> u8 {
-    let cli = match Cli::try_parse() {
+    let cli = match Cli::try_parse_from(std::env::args_os().map(expand_argument)) {
         Ok(cli) => cli,
         Err(error) => {
             // Help and version are no errors and go to stdout; a closed pipe is no failure.

@@ -1,8 +1,10 @@
-//! Results on stdout: one write at the end, a closed pipe is no failure.
+//! Results on stdout, one write at the end where a closed pipe is no failure; and names of files to be written.
 
 use std::io::Write as _;
+use std::path::Path;
 
 use super::CliError;
+use crate::exchange::check_output;
 
 /// Writes `text` to stdout.
 pub(super) fn text(text: &str) -> Result<(), CliError> {
@@ -19,4 +21,10 @@ pub(super) fn json(value: &impl serde::Serialize) -> Result<(), CliError> {
     let mut line = serde_json::to_string(value).expect("results are plain data with string keys");
     line.push('\n');
     text(&line)
+}
+
+/// Refuses to write `file` over an input of the command, or where it cannot go: before the work, not after it.
+pub(super) fn check(file: &Path, inputs: &[impl AsRef<Path>]) -> Result<(), CliError> {
+    let inputs: Vec<&Path> = inputs.iter().map(AsRef::as_ref).collect();
+    Ok(check_output(file, &inputs)?)
 }

@@ -16,6 +16,7 @@ pub struct Arguments {
 /// Prints the plan of a scene.
 pub fn run(arguments: &Arguments, json: bool) -> Result<(), CliError> {
     let plan = Plan::of(&SceneFile::read(&arguments.scene)?.scene);
+    plan.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
     if json { output::json(&plan) } else { output::text(&table(&plan)) }
 }
 

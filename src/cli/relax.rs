@@ -154,6 +154,7 @@ impl Arguments {
 pub(super) fn run(arguments: &Arguments, as_json: bool) -> Result<(), CliError> {
     let law = arguments.law()?;
     let format = arguments.out.as_deref().map(AggregateFormat::of).transpose().map_err(CliError::input)?;
+    arguments.out.as_ref().map_or(Ok(()), |file| output::check(file, &[&arguments.aggregate]))?;
     let mut spheres = read_aggregate(&arguments.aggregate).map_err(CliError::input)?;
     if let Some(period_h) = arguments.period_h {
         let axis = Vector3::from(mass_properties(&spheres).map_err(CliError::input)?.axes.column(2));

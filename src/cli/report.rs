@@ -6,14 +6,18 @@ use std::time::Duration;
 use serde_json::{Value, json};
 
 use super::{CliError, output, progress};
-use crate::exchange::{WriteError, write_whole};
+use crate::exchange::{WriteError, check_page, write_whole};
 use crate::report::figures::{FigureError, Missing, Plot, SaveError, of_run, of_runs, save, svg};
 use crate::report::page::{Extras, Picture, page, page_of_several};
 use crate::report::{RunData, Watched, watch};
-use crate::store::Outcome;
+use crate::store::{Outcome, run_directory};
 
 /// How often a watched run is looked at, and its page loaded again, s.
 const LOOK_EVERY_S: u32 = 3;
+/// The page in a report's folder.
+const PAGE: &str = "index.html";
+/// Where its figures stand below the folder.
+const FIGURES: &str = "figures";
 
 /// Arguments of `yorp report`.
 #[derive(Debug, clap::Args)]
@@ -31,14 +35,15 @@ pub(super) struct Arguments {
 
 /// Writes the report.
 pub(super) fn run(arguments: &Arguments, as_json: bool) -> Result<(), CliError> {
-    let (folder, directory) = match (&arguments.out, &arguments.runs[..]) {
+    let runs: Vec<PathBuf> = arguments.runs.iter().map(|run| run_directory(run)).collect();
+    let (folder, directory) = match (&arguments.out, &runs[..]) {
         (out, [run]) => (out.clone().unwrap_or_else(|| run.join("report")), run),
         (None, _) => return Err(CliError::refused("a report on several runs needs --out FOLDER")),
         (Some(_), _) if arguments.watch => return Err(CliError::refused("--watch is for one run")),
         (Some(out), runs) => return several(runs, out, as_json),
     };
     let run = RunData::read(directory)?;
-    create(&folder)?;
+    claim(&folder)?;
     let (run, written) = if arguments.watch && !is_over(&run) {
         match keep_up(directory, &folder)? {
             (run, written, Watched::Over) => (run, written),
@@ -61,8 +66,8 @@ pub(super) fn run(arguments: &Arguments, as_json: bool) -> Result<(), CliError> 
 /// The page and figures of several runs together.
 fn several(directories: &[PathBuf], folder: &Path, as_json: bool) -> Result<(), CliError> {
     let runs = directories.iter().map(|run| RunData::read(run)).collect::<Result<Vec<_>, _>>()?;
-    create(folder)?;
-    let file = folder.join("index.html");
+    claim(folder)?;
+    let file = folder.join(PAGE);
     let text = page_of_several(&runs, &extras(of_runs(&runs), None).map_err(SaveError::from)?);
     write_whole(&file, text.as_bytes())?;
     let figures = Figures::save(of_runs(&runs), folder)?;
@@ -70,6 +75,12 @@ fn several(directories: &[PathBuf], folder: &Path, as_json: bool) -> Result<(), 
         true => output::json(&figures.as_value(Some(&file))),
         false => output::text(&format!("{}\n{}", file.display(), figures.as_text())),
     }
+}
+
+/// Makes the folder, unless it holds a page or figures of somebody else.
+fn claim(folder: &Path) -> Result<(), CliError> {
+    check_page(&folder.join(PAGE), [folder.join(FIGURES)])?;
+    create(folder)
 }
 
 fn create(folder: &Path) -> Result<(), CliError> {
@@ -87,7 +98,7 @@ struct Figures {
 impl Figures {
     /// Draws into `figures/` below `folder`; one that could be drawn by an earlier report and cannot now stays.
     fn save(plots: Vec<Result<Plot, Missing>>, folder: &Path) -> Result<Self, CliError> {
-        let folder = folder.join("figures");
+        let folder = folder.join(FIGURES);
         create(&folder)?;
         let (mut drawn, mut left_out) = (Vec::new(), Vec::new());
         for plot in plots {
@@ -165,7 +176,7 @@ fn standing(run: &RunData) -> String {
 
 /// Writes the page, whole or not at all.
 fn write(run: &RunData, folder: &Path, fresh_every_s: Option<u32>) -> Result<PathBuf, CliError> {
-    let file = folder.join("index.html");
+    let file = folder.join(PAGE);
     let text = page(run, &extras(of_run(run), fresh_every_s).map_err(SaveError::from)?);
     write_whole(&file, text.as_bytes())?;
     Ok(file)

@@ -97,6 +97,10 @@ pub(super) fn run(arguments: &Arguments, as_json: bool) -> Result<(), CliError> 
     let integrator = arguments.integrator()?;
     arguments.out.as_deref().map_or(Ok(()), check_table_name)?;
     let is_scene = arguments.body.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
+    if let Some(file) = &arguments.out {
+        let scene = if is_scene { SceneFile::read(&arguments.body)?.inputs() } else { Vec::new() };
+        output::check(file, &[scene, vec![arguments.body.clone()]].concat())?;
+    }
     let mut rigid = if is_scene { of_scene(&arguments.body)? } else { of_mesh(arguments)? };
     if let Some(period_h) = arguments.period_h {
         rigid.omega = TAU / (period_h * 3600.0);

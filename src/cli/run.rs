@@ -1,15 +1,16 @@
 //! `yorp run`: the coupled evolution of a scene in a run directory.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value, json};
 
 use super::progress::{Leaves, Reporter};
 use super::{CliError, output};
+use crate::evolve::Observer as _;
 use crate::evolve::driver::{MYR_S, Summary, run as evolve};
 use crate::report::page::part_error;
-use crate::scene::SceneFile;
-use crate::store::{Part, Totals};
+use crate::scene::{CYCLE_END_PERIOD_H, Scene, SceneFile};
+use crate::store::{Outcome, Part, RunReader, Totals, database_path, run_directory, scene_of_torn_copy};
 
 /// Arguments of `yorp run`.
 #[derive(Debug, clap::Args)]
@@ -29,12 +30,56 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments, as_json: bool) -> Result<(), CliError> {
-    let scene = SceneFile::read(&arguments.scene)?;
+    let directory = run_directory(&arguments.out);
+    let scene = scene_of(arguments, &directory)?;
     let mut reporter = Reporter::start(Leaves::Run)?;
-    let result = evolve(&scene, &arguments.out, arguments.resume, arguments.until_myr, &mut reporter);
+    let duration_myr = scene.scene.evolution.duration_myr;
+    if let Some(until_myr) = arguments.until_myr.filter(|until| *until > duration_myr) {
+        reporter.warn(&format!(
+            "--until-myr {until_myr} is beyond evolution.duration_myr = {duration_myr}, at which the run ends"
+        ));
+    }
+    let result = evolve(&scene, &directory, arguments.resume, arguments.until_myr, &mut reporter);
     drop(reporter);
     let summary = result?;
-    if as_json { output::json(&as_value(&summary)) } else { output::text(&as_text(&summary, arguments)) }
+    if ended_its_cycle(&summary, &scene.scene) {
+        let stop = scene.scene.evolution.stop_period_h.map_or("null".to_owned(), |period| format!("{period} h"));
+        eprintln!(
+            "warning: the body counts as spun down beyond a period of {CYCLE_END_PERIOD_H} h, the end of its YORP cycle, though \
+             evolution.stop_period_h is {stop}"
+        );
+    }
+    if as_json { output::json(&as_value(&summary)) } else { output::text(&as_text(&summary, &directory)) }
+}
+
+/// The scene to run. One that is resumed needs neither the files that its body was made of nor, where the scene given is
+/// the run's own copy, that copy whole: the database holds both.
+fn scene_of(arguments: &Arguments, directory: &Path) -> Result<SceneFile, CliError> {
+    let file = &arguments.scene;
+    if !arguments.resume {
+        return Ok(SceneFile::read(file)?);
+    }
+    let is_built = || RunReader::open(directory).is_ok_and(|run| run.state().is_ok_and(|state| state.is_some()));
+    match SceneFile::read_alone(file) {
+        Ok((scene, _)) if is_built() => Ok(scene),
+        Ok((scene, text)) => {
+            scene.look_for_files(&text)?;
+            Ok(scene)
+        }
+        Err(error) => match scene_of_torn_copy(file, directory) {
+            Some(scene) => {
+                eprintln!("warning: {}: cut off; going on with the scene that the database holds", file.display());
+                Ok(SceneFile { scene, file: file.clone() })
+            }
+            None => Err(error.into()),
+        },
+    }
+}
+
+/// Whether the run ended as spun down by the limit of every run, not by that of its scene.
+fn ended_its_cycle(summary: &Summary, scene: &Scene) -> bool {
+    let own = scene.evolution.stop_period_h.is_some_and(|period| period <= CYCLE_END_PERIOD_H);
+    summary.ending.outcome == Outcome::SpunDown && !own
 }
 
 fn period_h(summary: &Summary) -> Option<f64> {
@@ -101,7 +146,7 @@ fn angular_momentum(totals: &Totals) -> Value {
     })
 }
 
-fn as_text(summary: &Summary, arguments: &Arguments) -> String {
+fn as_text(summary: &Summary, directory: &Path) -> String {
     use std::fmt::Write as _;
     let (ending, totals) = (&summary.ending, &summary.totals);
     let mut text = String::new();
@@ -151,7 +196,11 @@ fn as_text(summary: &Summary, arguments: &Arguments) -> String {
             total.count
         );
     }
-    let directory = arguments.out.display();
-    let _ = writeln!(text, "\nrecorded in {directory}/run.sqlite; next: yorp report {directory}");
+    let _ = writeln!(
+        text,
+        "\nrecorded in {}; next: yorp report {}",
+        database_path(directory).display(),
+        directory.display()
+    );
     text
 }

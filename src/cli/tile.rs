@@ -51,6 +51,7 @@ struct Fit {
 pub(super) fn run(arguments: &Arguments, as_json: bool) -> Result<(), CliError> {
     let start = Instant::now();
     let format = MeshFormat::of(&arguments.out)?;
+    output::check(&arguments.out, &[&arguments.aggregate])?;
     let spheres = read_aggregate(&arguments.aggregate)?;
     let mass_kg = spheres.total_mass();
     let radius_m = spheres.radius.iter().map(|r| r.powi(3)).sum::<f64>().cbrt();

@@ -72,6 +72,7 @@ pub(super) fn run(arguments: &Arguments, as_json: bool) -> Result<(), CliError> 
     let start = Instant::now();
     let surface = arguments.sunlit.surface()?;
     arguments.out.as_deref().map_or(Ok(()), check_table_name)?;
+    arguments.out.as_ref().map_or(Ok(()), |file| output::check(file, &[&arguments.mesh]))?;
     let (wanted, sampling) = arguments.obliquities()?;
     let body = arguments.sunlit.body(&arguments.mesh)?;
     arguments.sunlit.warn_of_seasons(&surface);

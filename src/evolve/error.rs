@@ -50,12 +50,43 @@ pub enum EvolveError {
     Spin(#[from] SpinError),
     /// The body fell apart before there was an object 0.
     #[error(
-        "the body fell apart after {rotations} rotations of settling: it does not bear the scene's spin; \
-         give it a longer spin.period_h"
+        "the body fell apart after {rotations} rotations of settling{}",
+        if likely.is_empty() {
+            "; it does not bear the scene's spin, a longer spin.period_h would ask less of it".to_owned()
+        } else {
+            format!("; likely because {}", likely.join("; and "))
+        }
     )]
     BrokeUpWhileSettling {
         /// Rotations done.
         rotations: f64,
+        /// What is likely to blame.
+        likely: Vec<String>,
+    },
+    /// The unit of a mesh makes a body that its spheres cannot fill.
+    #[error("{}: {fault}: is `unit` ({unit}) right?", file.display())]
+    Unit {
+        /// The mesh.
+        file: std::path::PathBuf,
+        /// What does not fit.
+        fault: String,
+        /// The unit in the scene.
+        unit: &'static str,
+    },
+    /// A spin at which no spheres of this density hold together.
+    #[error(
+        "spin.period_h is {period_h}; a sphere of {density_kg_m3:.0} kg/m3, as the densest in {}{}, flies apart below {limit_h:.3} h",
+        file.display(), crate::scene::about_density(*density_kg_m3)
+    )]
+    TooFast {
+        /// The aggregate.
+        file: std::path::PathBuf,
+        /// Of the scene.
+        period_h: f64,
+        /// The largest density of a sphere, kg/m^3.
+        density_kg_m3: f64,
+        /// The shortest period of a sphere of that density, h.
+        limit_h: f64,
     },
     /// Settling made another body of it.
     #[error(

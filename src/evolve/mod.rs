@@ -4,6 +4,7 @@
 
 pub mod aggregate;
 pub mod alignment;
+mod blame;
 pub mod block;
 pub mod build;
 pub mod check;

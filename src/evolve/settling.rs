@@ -5,6 +5,7 @@ use pkd::mass_properties::mass_properties;
 use pkd::soft_sphere::ContactHistory;
 
 use super::alignment::{TILT_LIMIT, align};
+use super::blame::likely_causes;
 use super::block::{Aggregate, evolve_block};
 use super::engine::{ContactLaw, Engine};
 use super::fate::shed;
@@ -53,6 +54,7 @@ pub fn settle_block(
 ) -> Result<(State, SettlingRecord, Shedding), EvolveError> {
     let settling = &scene.settling;
     let done = f64::from(state.blocks * settling.rotations);
+    let period_s = std::f64::consts::TAU / state.omega;
     let (spheres, ids, contacts) = (state.spheres, state.sphere_ids, state.contacts);
     let mut body = Aggregate { spheres, ids, contacts };
     let block = evolve_block(
@@ -65,7 +67,8 @@ pub fn settle_block(
     )?;
     let rotations = done + block.dynamics.rotations;
     if block.departures.breakup.is_some() {
-        return Err(EvolveError::BrokeUpWhileSettling { rotations });
+        let likely = likely_causes(scene, &body.spheres, period_s);
+        return Err(EvolveError::BrokeUpWhileSettling { rotations, likely });
     }
     let omega = mass_properties(&body.spheres)?.spin_rate();
     let shedding = shed(scene, &mut body, &block.departures, [0.0, omega, state.obliquity])?;

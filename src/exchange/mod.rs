@@ -3,13 +3,18 @@
 
 mod aggregate_file;
 pub mod csv;
+mod home;
 mod mesh;
 mod output;
 mod table;
 pub mod vtk;
 
 pub use aggregate_file::{AggregateFileError, MAX_AGGREGATE_BYTES, read_aggregate};
+pub use home::{expand_argument, expand_home};
 pub use mesh::{AssemblyFault, MAX_MESH_BYTES, MeshFile, MeshFileError, MeshFileFormat, read_mesh};
-pub(crate) use output::write_whole;
-pub use output::{AggregateFormat, MeshFormat, UnknownFormat, WriteError, write_aggregate, write_mesh};
+pub use output::{
+    AggregateFormat, GENERATOR, MeshFormat, RefusedOutput, UnknownFormat, WriteError, check_output, check_page,
+    write_aggregate, write_mesh,
+};
+pub(crate) use output::{folder_of, sync_folder, write_durably, write_whole};
 pub use table::{check_table_name, write_table};

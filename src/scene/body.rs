@@ -15,6 +15,34 @@ pub enum Body {
     CarvedMesh(CarvedMesh),
 }
 
+/// What each of the equal spheres is that a body is made of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Grain {
+    /// Density of each sphere, kg/m^3.
+    pub density_kg_m3: f64,
+    /// Path of its key in a scene.
+    pub density_key: &'static str,
+}
+
+impl Body {
+    /// The spheres, where the scene says what they are.
+    pub fn grain(&self) -> Option<Grain> {
+        let (density_kg_m3, density_key) = match self {
+            Self::PackedEllipsoid(body) => (body.grain_density_kg_m3, "body.packed_ellipsoid.grain_density_kg_m3"),
+            Self::File(_) => return None,
+            Self::CarvedMesh(body) => match &body.packing {
+                Packing::Random(spheres) => {
+                    (spheres.grain_density_kg_m3, "body.carved_mesh.packing.random.grain_density_kg_m3")
+                }
+                Packing::Hcp(spheres) => {
+                    (spheres.grain_density_kg_m3, "body.carved_mesh.packing.hcp.grain_density_kg_m3")
+                }
+            },
+        };
+        Some(Grain { density_kg_m3, density_key })
+    }
+}
+
 /// A random packing of equal spheres in an ellipsoid; the paper's bodies have 1000 spheres of 50.2 m and 2960 kg/m^3.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -74,6 +102,15 @@ impl LengthUnit {
             Self::Metre => 1.0,
             Self::Kilometre => 1000.0,
             Self::Centimetre => 0.01,
+        }
+    }
+
+    /// Name in a scene.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Metre => "m",
+            Self::Kilometre => "km",
+            Self::Centimetre => "cm",
         }
     }
 }

@@ -45,7 +45,7 @@ pub enum SceneError {
         limit: u64,
     },
     /// The file is not UTF-8.
-    #[error("{}: not UTF-8 text from byte {valid_up_to} on", file.display())]
+    #[error("{}: not UTF-8 text from byte {valid_up_to} on; save it as UTF-8", file.display())]
     NotText {
         /// The file.
         file: PathBuf,
@@ -71,6 +71,18 @@ pub enum SceneError {
         path: String,
         /// What was found, and what is allowed.
         message: String,
+    },
+    /// None of the alternatives that there are.
+    #[error("{at}: `{path}` takes {takes}, found {found}")]
+    Alternative {
+        /// Where.
+        at: Box<Location>,
+        /// Path of the key.
+        path: String,
+        /// What may stand there.
+        takes: String,
+        /// What stands there.
+        found: String,
     },
     /// A value that is not allowed.
     #[error("{at}: `{path}` is {found}; allowed: {allowed}")]
@@ -106,6 +118,7 @@ impl SceneError {
         match self {
             Self::Syntax { at, .. }
             | Self::Structure { at, .. }
+            | Self::Alternative { at, .. }
             | Self::Value { at, .. }
             | Self::Missing { at, .. } => Some(at),
             Self::Read { .. } | Self::TooLarge { .. } | Self::NotText { .. } => None,

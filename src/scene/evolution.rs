@@ -48,9 +48,14 @@ pub struct Evolution {
     pub rattle_radius_fraction: f64,
     /// If more than this fraction of the spheres moved at once, the step is taken again in fifths (default 0.5).
     pub moved_fraction_limit: f64,
-    /// Period beyond which the body counts as spun down, h; null never stops it (default 20).
+    /// Period beyond which the body counts as spun down, h (default 20). Null leaves 480 h (20 days), beyond which every run
+    /// ends: slower bodies tumble and meet resonances that are not computed.
     pub stop_period_h: Option<f64>,
 }
+
+/// Period, h, beyond which a body that slows down has come to the end of its YORP cycle, whatever `stop_period_h` says:
+/// real bodies tumble there and meet resonances. 20 days.
+pub const CYCLE_END_PERIOD_H: f64 = 480.0;
 
 impl Default for Evolution {
     fn default() -> Self {
@@ -76,4 +81,15 @@ pub enum MovementRule {
     Robust,
     /// The rule as the paper words it: whatever is beyond the limit is left out for good.
     Literal,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_end_of_a_cycle_is_that_of_the_integrator() {
+        let period_h = std::f64::consts::TAU / crate::evolve::spin::CYCLE_END_OMEGA / 3600.0;
+        assert!((period_h / CYCLE_END_PERIOD_H - 1.0).abs() < 1e-12);
+    }
 }

@@ -5,7 +5,7 @@
 
 use serde_json::Value;
 
-use super::{Body, Contact, Question, Scene};
+use super::{Body, Contact, Grain, Question, Scene, about_density, shortest_period_h};
 
 /// A value that a scene may not hold.
 #[derive(Debug, Clone, PartialEq)]
@@ -173,7 +173,7 @@ pub(super) fn limit(path: &str) -> Option<&'static Limit> {
 /// The first value of `scene` that is not allowed.
 pub(super) fn first_violation(scene: &Scene) -> Option<Violation> {
     let tree = serde_json::to_value(scene).expect("a scene is plain data with string keys");
-    LIMITS.iter().find_map(|limit| outside(&tree, limit)).or_else(|| inconsistent(scene))
+    LIMITS.iter().find_map(|limit| outside(&tree, limit)).or_else(|| inconsistent(scene)).or_else(|| too_fast(scene))
 }
 
 /// The value at the limit's path, if there is one and it is outside.
@@ -256,6 +256,21 @@ fn inconsistent(scene: &Scene) -> Option<Violation> {
         }
         _ => None,
     }
+}
+
+/// A spin at which no body of these spheres can hold together by its gravity, whatever its shape: that of a sphere without
+/// voids. Where something else holds it together there is no such limit.
+fn too_fast(scene: &Scene) -> Option<Violation> {
+    let Grain { density_kg_m3, density_key } = scene.body.grain()?;
+    let limit_h = shortest_period_h(density_kg_m3);
+    (scene.spin.period_h < limit_h && !scene.is_cohesive()).then(|| Violation {
+        path: "spin.period_h".to_owned(),
+        found: scene.spin.period_h.to_string(),
+        allowed: format!(
+            "at least {limit_h:.3}, below which a sphere of {density_key} = {density_kg_m3}{} flies apart",
+            about_density(density_kg_m3)
+        ),
+    })
 }
 
 /// What a path in a scene has to name.

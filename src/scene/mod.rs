@@ -6,28 +6,33 @@
 
 mod body;
 mod convert;
+mod cost;
 mod difference;
 mod dynamics;
 mod error;
 mod evolution;
 mod limits;
+mod oddities;
 mod plan;
 mod position;
 mod radiation;
 mod read;
 mod schema;
 mod soft_sphere;
+mod structure;
 
 use serde::{Deserialize, Serialize};
 
-pub use body::{Body, CarvedMesh, FileBody, FillingSpheres, LengthUnit, PackedEllipsoid, Packing};
+pub use body::{Body, CarvedMesh, FileBody, FillingSpheres, Grain, LengthUnit, PackedEllipsoid, Packing};
+pub use cost::{SettlingCost, touching_pair};
 pub use difference::{Difference, first_difference};
 pub use dynamics::{
     BriefQuestion, Contact, GravityMethod, GravityOptions, HardSphereContact, Question, Rebound, ResidualRotation,
     Settling, Shed, SlideVelocity, Spin, Track,
 };
 pub use error::{Location, SceneError};
-pub use evolution::{Evolution, MovementRule, TilingOptions};
+pub use evolution::{CYCLE_END_PERIOD_H, Evolution, MovementRule, TilingOptions};
+pub use oddities::{USUAL_DENSITIES, about_density, oddities, shortest_period_h};
 pub use plan::{Part, Plan};
 pub use radiation::{
     HapkeReflectance, Interpolation, LambertReflectance, MultipleScattering, Orbit, Reflectance, SelfHeating, Surface,
@@ -44,6 +49,10 @@ pub const FORMAT: u32 = 1;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Scene {
+    /// The schema that an editor checks this file against; says nothing about the scene.
+    #[serde(rename = "$schema", default, skip_serializing)]
+    #[schemars(with = "String")]
+    schema: SchemaReference,
     /// Version of this format; 1.
     #[serde(default = "current_format")]
     pub format: u32,
@@ -91,6 +100,7 @@ impl Scene {
     /// The scene of `body` with every other key at its default.
     pub fn from_body(body: Body) -> Self {
         Self {
+            schema: SchemaReference,
             format: FORMAT,
             name: String::new(),
             seed: 0,
@@ -113,6 +123,16 @@ impl Scene {
         let mut text = serde_json::to_string_pretty(self).expect("a scene is plain data with string keys");
         text.push('\n');
         text
+    }
+}
+
+/// Whatever a scene names as its schema: read and forgotten, so that it makes no difference between two scenes.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+struct SchemaReference;
+
+impl<'de> Deserialize<'de> for SchemaReference {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        String::deserialize(deserializer).map(|_| Self)
     }
 }
 

@@ -8,8 +8,9 @@ use serde::Serialize;
 use pkd::soft_sphere::Friction;
 
 use super::{
-    Body, Contact, FrictionModel, GravityMethod, HardSphereContact, Interpolation, MovementRule, Packing, Question,
-    Reflectance, Scene, SelfHeating, SoftSphereContact, TangentialYorp, Track,
+    Body, CYCLE_END_PERIOD_H, Contact, FrictionModel, GravityMethod, HardSphereContact, Interpolation, MovementRule,
+    Packing, Question, Reflectance, Scene, SelfHeating, SettlingCost, SoftSphereContact, TangentialYorp, Track,
+    oddities,
 };
 
 /// What a scene will run.
@@ -19,6 +20,8 @@ pub struct Plan {
     pub name: String,
     /// Every part of the physics, in the order in which a run meets it.
     pub parts: Vec<Part>,
+    /// What is odd about the scene, a sentence each.
+    pub warnings: Vec<String>,
 }
 
 /// One part of the physics.
@@ -78,7 +81,10 @@ impl Plan {
         parts.push(on(
             "settling",
             format!("blocks of {} rotations, at most {}", scene.settling.rotations, scene.settling.max_rotations),
-            "a body that still shifts has no torque of its own",
+            match SettlingCost::of_scene(scene) {
+                Some(cost) => cost.to_string(),
+                None => "a body that still shifts has no torque of its own".to_owned(),
+            },
         ));
         parts.push(match scene.settling.question {
             Question::Full => on("question", "whole blocks after each change of spin", "as the paper asks"),
@@ -101,7 +107,9 @@ impl Plan {
         ));
         radiation(scene, &mut parts);
         evolution(scene, &mut parts);
-        Self { name: scene.name.clone(), parts }
+        let cost = SettlingCost::of_scene(scene).and_then(|cost| cost.warning());
+        let warnings = oddities(scene).into_iter().chain(cost).collect();
+        Self { name: scene.name.clone(), parts, warnings }
     }
 }
 
@@ -337,8 +345,14 @@ fn evolution(scene: &Scene, parts: &mut Vec<Part>) {
         ),
     ));
     parts.push(match evolution.stop_period_h {
-        Some(period) => on("stop when spun down", format!("beyond {period} h"), "evolution.stop_period_h"),
-        None => off("stop when spun down", "evolution.stop_period_h is null"),
+        Some(period) if period <= CYCLE_END_PERIOD_H => {
+            on("stop when spun down", format!("beyond {period} h"), "evolution.stop_period_h")
+        }
+        _ => on(
+            "stop when spun down",
+            format!("beyond {CYCLE_END_PERIOD_H} h, whatever evolution.stop_period_h says"),
+            "slower bodies tumble and meet resonances that are not computed",
+        ),
     });
     parts.push(match &scene.shed.track {
         Track::None => {

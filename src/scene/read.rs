@@ -1,13 +1,18 @@
-//! Reads a scene file: text, then types, then values, each refusal with its place.
+//! Reads a scene file: text, then structure, then values, each refusal with its place.
 
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use serde_path_to_error::Segment;
+use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Visitor};
+use serde_json::{Map, Value};
+
+use crate::exchange::expand_home;
 
 use super::limits::{first_violation, limit};
-use super::position::{Step, find, line_column, offset};
+use super::position::{find, line_column, offset};
+use super::schema::SCHEMA;
+use super::structure::{Fault, Misfit, fit};
 use super::{Body, Location, Scene, SceneError};
 
 /// Largest scene file, bytes; a complete scene takes two thousand.
@@ -28,6 +33,17 @@ impl SceneFile {
     /// # Errors
     /// [`SceneError`] with the place in the file, what was found and what is allowed.
     pub fn read(file: &Path) -> Result<Self, SceneError> {
+        let (scene, text) = Self::read_alone(file)?;
+        scene.look_for_files(&text)?;
+        Ok(scene)
+    }
+
+    /// Reads and validates the scene in `file`, but not whether the files it names are there: a run whose body has been
+    /// made goes on without them. With the text.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn read_alone(file: &Path) -> Result<(Self, String), SceneError> {
         let unreadable = |source| SceneError::Read { file: file.to_owned(), source };
         let mut bytes = Vec::new();
         // One byte beyond the limit tells a file that is too large, also when it is a pipe without a length.
@@ -40,17 +56,29 @@ impl SceneFile {
             file: file.to_owned(),
             valid_up_to: error.utf8_error().valid_up_to(),
         })?;
-        let scene = Self { scene: Scene::parse(&text, file)?, file: file.to_owned() };
-        scene.look_for_files(&text)?;
-        Ok(scene)
+        Ok((Self { scene: Scene::parse(&text, file)?, file: file.to_owned() }, text))
+    }
+
+    /// The files that the scene is made of: itself, and the one that its body comes from.
+    pub fn inputs(&self) -> Vec<PathBuf> {
+        let body = match &self.scene.body {
+            Body::PackedEllipsoid(_) => None,
+            Body::File(body) => Some(self.resolve(&body.path)),
+            Body::CarvedMesh(body) => Some(self.resolve(&body.path)),
+        };
+        std::iter::once(self.file.clone()).chain(body).collect()
     }
 
     /// A path of the scene, which is relative to the folder of the scene, as a path of this process.
     pub fn resolve(&self, path: &str) -> PathBuf {
-        self.file.parent().unwrap_or(Path::new("")).join(path)
+        self.file.parent().unwrap_or(Path::new("")).join(expand_home(Path::new(path)))
     }
 
-    fn look_for_files(&self, text: &str) -> Result<(), SceneError> {
+    /// Whether the files that the scene names can be opened; `text` is its own.
+    ///
+    /// # Errors
+    /// [`SceneError::Missing`].
+    pub fn look_for_files(&self, text: &str) -> Result<(), SceneError> {
         let (path, name) = match &self.scene.body {
             Body::PackedEllipsoid(_) => return Ok(()),
             Body::File(body) => ("body.file.path", &body.path),
@@ -79,16 +107,19 @@ impl Scene {
     /// );
     /// ```
     pub fn parse(text: &str, file: &Path) -> Result<Self, SceneError> {
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let mut parser = serde_json::Deserializer::from_str(text);
         let parsed = serde_path_to_error::deserialize(&mut parser);
-        // A missing brace makes keys look unknown, so broken JSON is reported before anything that may follow from it.
+        // A missing brace makes keys look doubled, so broken JSON is reported before anything that may follow from it.
         if let Err(broken) = serde_json::from_str::<serde::de::IgnoredAny>(text) {
             let reached =
                 parsed.err().filter(|error: &serde_path_to_error::Error<serde_json::Error>| !error.inner().is_data());
             let path = reached.map_or(".".to_owned(), |error| error.path().to_string());
             return Err(syntax_error(text, file, path, &broken));
         }
-        let scene: Self = parsed.map_err(|error| parse_error(text, file, &error))?;
+        let Tree(mut tree) = parsed.map_err(|error| tree_error(text, file, &error))?;
+        fit(&mut tree, &SCHEMA).map_err(|misfit| misfit_error(text, file, misfit))?;
+        let scene: Self = serde_path_to_error::deserialize(tree).map_err(|error| type_error(text, file, &error))?;
         match first_violation(&scene) {
             None => Ok(scene),
             Some(violation) => {
@@ -100,25 +131,111 @@ impl Scene {
     }
 }
 
-fn parse_error(text: &str, file: &Path, error: &serde_path_to_error::Error<serde_json::Error>) -> SceneError {
+/// A JSON text as a tree in which no key stands twice.
+struct Tree(Value);
+
+impl<'de> Deserialize<'de> for Tree {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(TreeVisitor).map(Self)
+    }
+}
+
+struct TreeVisitor;
+
+impl<'de> Visitor<'de> for TreeVisitor {
+    type Value = Value;
+
+    fn expecting(&self, formatter: &mut std::fmt::Formatter) -> std::fmt::Result {
+        formatter.write_str("a JSON value")
+    }
+
+    fn visit_unit<E>(self) -> Result<Value, E> {
+        Ok(Value::Null)
+    }
+
+    fn visit_bool<E>(self, value: bool) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_u64<E>(self, value: u64) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_i64<E>(self, value: i64) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_f64<E>(self, value: f64) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_str<E>(self, value: &str) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut access: A) -> Result<Value, A::Error> {
+        let mut array = Vec::new();
+        while let Some(Tree(value)) = access.next_element()? {
+            array.push(value);
+        }
+        Ok(Value::Array(array))
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut access: A) -> Result<Value, A::Error> {
+        let mut object = Map::new();
+        while let Some(key) = access.next_key::<String>()? {
+            if object.contains_key(&key) {
+                return Err(Error::custom(format_args!("duplicate field `{key}`")));
+            }
+            let Tree(value) = access.next_value()?;
+            object.insert(key, value);
+        }
+        Ok(Value::Object(object))
+    }
+}
+
+/// A number that no computer number holds, or a key that stands twice: the parser stands there.
+fn tree_error(text: &str, file: &Path, error: &serde_path_to_error::Error<serde_json::Error>) -> SceneError {
     let (path, json) = (error.path().to_string(), error.inner());
     if !json.is_data() {
         return syntax_error(text, file, path, json);
     }
-    let steps: Vec<Step> = error.path().iter().filter_map(step).collect();
-    let message = plain_words(&bare_message(json));
-    // A key that stands twice is found at its first place by a search, at its second by the parser.
-    let at = if message.starts_with("duplicate") { None } else { Some(steps.as_slice()) };
-    let on_key = message.starts_with("unknown field");
-    let at = at.and_then(|steps| find(text, steps)).map(|found| if on_key { found.key } else { found.value });
-    let at = at.unwrap_or_else(|| offset(text, json.line(), json.column()));
-    let allowed = limit(&path).map(|limit| format!("; allowed: {limit}")).unwrap_or_default();
-    SceneError::Structure { at: location(text, file, at), path, message: message + &allowed }
+    let at = location(text, file, offset(text, json.line(), json.column()));
+    SceneError::Structure { at, path, message: bare_message(json) }
+}
+
+fn misfit_error(text: &str, file: &Path, Misfit { path, fault }: Misfit) -> SceneError {
+    let found = find(text, &path);
+    let (last, path) = (path.last().cloned().unwrap_or_default(), path.join("."));
+    let path = if path.is_empty() { ".".to_owned() } else { path };
+    let place =
+        |on_key: bool| location(text, file, found.map_or(0, |found| if on_key { found.key } else { found.value }));
+    let structure = |on_key, message| SceneError::Structure { at: place(on_key), path: path.clone(), message };
+    match fault {
+        Fault::Alternative(takes, found) => SceneError::Alternative { at: place(false), path, takes, found },
+        Fault::Lacks(key) => structure(false, format!("missing field `{key}`")),
+        Fault::Unknown(known) => {
+            let known: Vec<String> = known.iter().map(|key| format!("`{key}`")).collect();
+            structure(true, format!("unknown field `{last}`, expected one of {}", known.join(", ")))
+        }
+        Fault::Kind(found, expected) => {
+            let allowed = limit(&path).map(|limit| format!("; allowed: {limit}")).unwrap_or_default();
+            structure(false, format!("found {found}, expected {expected}{allowed}"))
+        }
+    }
+}
+
+/// What the schema lets through and the types refuse.
+fn type_error(text: &str, file: &Path, error: &serde_path_to_error::Error<serde_json::Error>) -> SceneError {
+    let path = error.path().to_string();
+    SceneError::Structure { at: locate(text, file, &keys(&path)), path, message: error.inner().to_string() }
 }
 
 fn syntax_error(text: &str, file: &Path, path: String, error: &serde_json::Error) -> SceneError {
     let at = location(text, file, offset(text, error.line(), error.column()));
-    SceneError::Syntax { at, path, message: bare_message(error) }
+    let message = bare_message(error);
+    let hint = beyond_json(text, at.offset, &message).map(|hint| format!("; {hint}")).unwrap_or_default();
+    SceneError::Syntax { at, path, message: message + &hint }
 }
 
 /// The parser's message without its own line and column.
@@ -128,36 +245,34 @@ fn bare_message(error: &serde_json::Error) -> String {
     full.strip_suffix(&place).unwrap_or(&full).to_owned()
 }
 
-/// The names of Rust's types in words that a user of JSON knows.
-fn plain_words(message: &str) -> String {
-    let Some((found, expected)) = message.rsplit_once(", expected ") else { return message.to_owned() };
-    let expected = match expected {
-        "f64" => "a number",
-        "u32" | "u64" => "a whole number that is not negative",
-        "a boolean" => "true or false",
-        other if other.starts_with("struct ") => "an object",
-        other if other.contains(" enum ") || other.starts_with("enum ") => "one of the variants in the schema",
-        other => other,
-    };
-    let found = found.replace("invalid type: ", "found ").replace("invalid value: ", "found ");
-    format!("{found}, expected {expected}")
-}
-
-fn step(segment: &Segment) -> Option<Step> {
-    match segment {
-        Segment::Seq { index } => Some(Step::Index(*index)),
-        Segment::Map { key } => Some(Step::Key(key.clone())),
-        Segment::Enum { variant } => Some(Step::Key(variant.clone())),
-        Segment::Unknown => None,
+/// What the text at `offset` tries that JSON does not have.
+fn beyond_json(text: &str, offset: usize, message: &str) -> Option<&'static str> {
+    let rest = &text[offset..];
+    let before = text[..offset].trim_end();
+    let starts = |words: &[&str]| words.iter().any(|word| rest.starts_with(word));
+    if starts(&["//", "/*", "#", "/"]) {
+        Some("JSON has no comments")
+    } else if message.starts_with("trailing comma") || (starts(&["}", "]"]) && before.ends_with(',')) {
+        Some("JSON has no comma after the last entry")
+    } else if starts(&["'"]) {
+        Some("JSON puts texts in double quotes")
+    } else if starts(&["NaN", "nan", "Infinity", "inf", "-Infinity", "-inf"]) {
+        Some("JSON has finite numbers only")
+    } else if starts(&["True", "False", "None", "TRUE", "FALSE", "NULL", "Null"]) {
+        Some("JSON writes true, false and null")
+    } else if message.starts_with("key must be a string") {
+        Some("JSON puts keys in double quotes")
+    } else {
+        None
     }
 }
 
-fn keys(path: &str) -> Vec<Step> {
-    path.split('.').map(|key| Step::Key(key.to_owned())).collect()
+fn keys(path: &str) -> Vec<String> {
+    path.split('.').map(str::to_owned).collect()
 }
 
 /// The place of the value at `path`, or of its nearest ancestor in the text when it was left to its default.
-fn locate(text: &str, file: &Path, path: &[Step]) -> Box<Location> {
+fn locate(text: &str, file: &Path, path: &[String]) -> Box<Location> {
     let nearest = (0..=path.len()).rev().find_map(|length| find(text, &path[..length]));
     location(text, file, nearest.map_or(0, |found| found.value))
 }

@@ -1,5 +1,7 @@
 //! The JSON Schema of a scene, from the same types and the same table of limits that read it.
 
+use std::sync::LazyLock;
+
 use serde_json::{Value, json};
 
 use super::Scene;
@@ -7,6 +9,16 @@ use super::limits::{LIMITS, Limit};
 
 /// JSON Schema (2020-12) of a scene.
 pub fn json_schema() -> Value {
+    SCHEMA.clone()
+}
+
+/// The same, made once.
+pub(super) static SCHEMA: LazyLock<Value> = LazyLock::new(make);
+
+/// Names the format wherever it lies; nothing has to be found there.
+const ID: &str = "urn:yorp:scene:1";
+
+fn make() -> Value {
     // Inlined, because a limit belongs to a path, and the same type may stand at several.
     let settings =
         schemars::generate::SchemaSettings::draft2020_12().with(|settings| settings.inline_subschemas = true);
@@ -16,6 +28,10 @@ pub fn json_schema() -> Value {
         let node = descend(&mut schema, &path).expect("every limit names a key of the scene");
         constrain(node, limit);
     }
+    schema["$id"] = json!(ID);
+    schema["title"] = json!("Scene of yorp");
+    // As large as the number that takes it.
+    schema["properties"]["seed"]["maximum"] = json!(u64::MAX);
     schema
 }
 
@@ -51,6 +67,14 @@ mod tests {
         let node = descend(&mut schema, &["surface", "reflectance", "hapke", "roughness_deg"]).unwrap();
         assert_eq!((&node["minimum"], &node["exclusiveMaximum"]), (&json!(0.0), &json!(60.0)));
         assert!(node["description"].as_str().unwrap().contains("deg"));
+    }
+
+    #[test]
+    fn the_schema_says_what_it_is() {
+        let schema = json_schema();
+        assert_eq!((&schema["$id"], &schema["title"]), (&json!("urn:yorp:scene:1"), &json!("Scene of yorp")));
+        assert_eq!(schema["$schema"], json!("https://json-schema.org/draft/2020-12/schema"));
+        assert_eq!(schema["properties"]["$schema"]["type"], json!("string"));
     }
 
     #[test]

@@ -18,6 +18,11 @@ pub enum StoreError {
     /// The path exists and is no directory.
     #[error("{} is not a directory", .0.display())]
     NotADirectory(PathBuf),
+    /// A file of somebody else has the place of one of the run's.
+    #[error(
+        "{} is not a file of this run and would be lost; move it away, or choose another directory", .0.display()
+    )]
+    ForeignFile(PathBuf),
     /// The file is not a database of this program.
     #[error("{} is not a yorp run database ({found})", path.display())]
     Foreign {

@@ -1,11 +1,12 @@
 //! The run directory: `scene.json` and `run.sqlite`, locked, transactional, resumable.
 //!
 //! Clusters keep run directories on network file systems, so the database uses a rollback journal instead of a
-//! write-ahead log, and the directory is held by an operating-system lock on `scene.json`, which a killed process
-//! releases by dying. Every write of this module is one transaction with `synchronous = FULL`.
+//! write-ahead log, and the directory is held by an operating-system lock on `.lock`, which a killed process releases by
+//! dying. Every write of this module is one transaction with `synchronous = FULL`.
 
 mod blob;
 mod error;
+mod files;
 mod history;
 mod ledger;
 mod read;
@@ -13,15 +14,16 @@ mod reader;
 mod records;
 #[cfg(test)]
 mod tests;
+mod wait;
 mod write;
 
-use std::fs::{File, OpenOptions, TryLockError};
-use std::io::Write;
+use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use rusqlite::Connection;
 
 pub use error::StoreError;
+pub use files::{database_path, run_directory, scene_of_torn_copy};
 pub use ledger::{Ledger, Part, PartTotal, Stopwatch};
 pub use read::Totals;
 pub use reader::RunReader;
@@ -58,70 +60,46 @@ impl RunStore {
     /// `resume` is set. The flag returned with the store says whether a run was there.
     ///
     /// # Errors
-    /// The directory holds a run and `resume` is not set, is locked, holds a run of another scene or a foreign or
-    /// newer database, or cannot be written.
+    /// The directory holds a run and `resume` is not set, is locked, holds a run of another scene, a foreign or newer
+    /// database or a foreign file in the place of one of the run's, or cannot be written.
     pub fn open(directory: &Path, scene: &Scene, resume: bool) -> Result<(Self, bool), StoreError> {
         if directory.exists() && !directory.is_dir() {
             return Err(StoreError::NotADirectory(directory.to_owned()));
         }
-        let database = directory.join("run.sqlite");
-        let holds_run = |path: &Path| path.metadata().is_ok_and(|m| m.len() > 0);
-        if holds_run(&database) && !resume {
-            return Err(StoreError::HoldsRun(directory.to_owned()));
-        }
-        let write_error = |path: &Path| {
-            let path = path.to_owned();
-            move |source| StoreError::Write { path, source }
+        let database = database_path(directory);
+        let existing = |directory: &Path| match files::open_existing(&database)? {
+            Some(_) if !resume => Err(StoreError::HoldsRun(directory.to_owned())),
+            other => Ok(other),
         };
-        std::fs::create_dir_all(directory).map_err(write_error(directory))?;
-        let scene_path = directory.join("scene.json");
-        let mut lock = OpenOptions::new()
-            .read(true)
-            .write(true)
-            .create(true)
-            .truncate(false)
-            .open(&scene_path)
-            .map_err(write_error(&scene_path))?;
-        match lock.try_lock() {
-            Ok(()) => {}
-            Err(TryLockError::WouldBlock) => return Err(StoreError::Locked(directory.to_owned())),
-            Err(TryLockError::Error(source)) => return Err(StoreError::Write { path: scene_path, source }),
+        // A refusal leaves the directory as it is, without a lock file too.
+        if existing(directory)?.is_none() {
+            files::SceneCopy::of(directory)?.is_outdated(scene, None)?;
         }
+        let cannot_write = |source| StoreError::Write { path: directory.to_owned(), source };
+        std::fs::create_dir_all(directory).map_err(cannot_write)?;
+        let lock = files::lock(directory)?;
         // Another process may have created the run between the first look and the lock.
-        let existing = holds_run(&database);
-        if existing && !resume {
-            return Err(StoreError::HoldsRun(directory.to_owned()));
-        }
-        let reader = RunReader { connection: open_database(&database, existing)?, database };
-        let mut store = Self { reader, session: 0, _lock: lock.try_clone().map_err(write_error(&scene_path))? };
-        if existing {
-            store.adopt(scene, directory)?;
-        } else {
-            store.create(scene)?;
-        }
-        lock.set_len(0).map_err(write_error(&scene_path))?;
-        lock.write_all(scene.to_json().as_bytes()).map_err(write_error(&scene_path))?;
-        lock.sync_all().map_err(write_error(&scene_path))?;
+        let found = existing(directory)?;
+        let existed = found.is_some();
+        let copy = files::SceneCopy::of(directory)?;
+        let connection = match found {
+            Some(connection) => connection,
+            None => {
+                copy.is_outdated(scene, None)?;
+                files::create(&database, scene)?;
+                files::open_existing(&database)?.ok_or_else(|| StoreError::NoRun(directory.to_owned()))?
+            }
+        };
+        prepare(&connection, &database)?;
+        let mut store = Self { reader: RunReader { connection, database }, session: 0, _lock: lock };
+        store.adopt(scene, directory, &copy)?;
         store.begin_session()?;
-        Ok((store, existing))
+        Ok((store, existed))
     }
 
-    /// Writes the empty tables and the scene in one transaction: a kill leaves either no run or a whole one.
-    fn create(&mut self, scene: &Scene) -> Result<(), StoreError> {
-        let tables = format!(
-            "PRAGMA application_id = {APPLICATION_ID}; PRAGMA user_version = {FORMAT_VERSION};\n{}",
-            include_str!("schema.sql")
-        );
-        self.transaction(|tx| {
-            tx.execute_batch(&tables)?;
-            tx.execute("INSERT INTO run VALUES ('version', ?1)", [env!("CARGO_PKG_VERSION")])?;
-            tx.execute("INSERT INTO run VALUES ('scene', ?1)", [scene.to_json()])?;
-            Ok(())
-        })
-    }
-
-    /// Checks that the run in the database is one of `scene`, and takes over a longer duration.
-    fn adopt(&mut self, scene: &Scene, directory: &Path) -> Result<(), StoreError> {
+    /// Checks that the run in the database is one of `scene`, takes over a longer duration, and writes the copy of the
+    /// scene if it is missing, torn or of the shorter run.
+    fn adopt(&mut self, scene: &Scene, directory: &Path, copy: &files::SceneCopy) -> Result<(), StoreError> {
         let stored = self.scene()?;
         if let Some(difference) = crate::scene::first_difference(&stored, scene) {
             return Err(StoreError::SceneDiffers {
@@ -129,11 +107,15 @@ impl RunStore {
                 difference: difference.to_string(),
             });
         }
-        let json = scene.to_json();
-        self.transaction(|tx| {
-            tx.execute("UPDATE run SET value = ?1 WHERE key = 'scene'", [json])?;
-            Ok(())
-        })
+        let outdated = copy.is_outdated(scene, Some(&stored))?;
+        if stored != *scene {
+            let json = scene.to_json();
+            self.transaction(|tx| {
+                tx.execute("UPDATE run SET value = ?1 WHERE key = 'scene'", [json])?;
+                Ok(())
+            })?;
+        }
+        if outdated { copy.write(scene) } else { Ok(()) }
     }
 
     fn begin_session(&mut self) -> Result<(), StoreError> {
@@ -164,19 +146,9 @@ impl RunStore {
     }
 }
 
-/// How long a transaction waits for somebody who reads: a report of a large run is no reason to end it.
-const PATIENCE: std::time::Duration = std::time::Duration::from_secs(600);
-
-/// Opens the database file for writing and checks that it is ours.
-fn open_database(path: &Path, existing: bool) -> Result<Connection, StoreError> {
-    let write_error = |source| StoreError::WriteDatabase { path: path.to_owned(), source };
-    let connection = Connection::open(path).map_err(write_error)?;
-    if existing {
-        reader::check_format(&connection, path)?;
-    }
-    connection.busy_timeout(PATIENCE).map_err(write_error)?;
+/// Makes an open database ready for the transactions of a run.
+fn prepare(connection: &Connection, path: &Path) -> Result<(), StoreError> {
     connection
         .execute_batch("PRAGMA journal_mode = TRUNCATE; PRAGMA synchronous = FULL; PRAGMA trusted_schema = OFF;")
-        .map_err(write_error)?;
-    Ok(connection)
+        .map_err(|source| StoreError::WriteDatabase { path: path.to_owned(), source })
 }

@@ -1,6 +1,6 @@
 //! Read access to a run database, safe while the run goes on.
 
-use rusqlite::{OpenFlags, OptionalExtension, Row};
+use rusqlite::{OptionalExtension, Row};
 
 use super::*;
 
@@ -17,16 +17,11 @@ impl RunReader {
     /// # Errors
     /// The directory holds no run, or one that is foreign, of another version or unreadable.
     pub fn open(directory: &Path) -> Result<Self, StoreError> {
-        let database = directory.join("run.sqlite");
-        if !database.metadata().is_ok_and(|m| m.is_file() && m.len() > 0) {
-            return Err(StoreError::NoRun(directory.to_owned()));
-        }
-        let read_error = |source| StoreError::ReadDatabase { path: database.clone(), source };
+        let database = database_path(directory);
         // Not read-only for the system: a killed run leaves half a transaction in its journal, and the first who opens
         // the database has to take it back. Nothing else is written.
-        let flags = OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_NO_MUTEX;
-        let connection = Connection::open_with_flags(&database, flags).map_err(read_error)?;
-        check_format(&connection, &database)?;
+        let connection = files::open_existing(&database)?.ok_or_else(|| StoreError::NoRun(directory.to_owned()))?;
+        let read_error = |source| StoreError::ReadDatabase { path: database.clone(), source };
         connection.execute_batch("PRAGMA query_only = ON; PRAGMA trusted_schema = OFF;").map_err(read_error)?;
         Ok(Self { connection, database })
     }
@@ -76,24 +71,4 @@ impl RunReader {
     pub fn damaged(&self, what: impl Into<String>) -> StoreError {
         StoreError::Damaged { path: self.database.clone(), what: what.into() }
     }
-}
-
-/// Whether the database is one of ours and of this build's format.
-pub(super) fn check_format(connection: &Connection, path: &Path) -> Result<(), StoreError> {
-    let read_error = |source| StoreError::ReadDatabase { path: path.to_owned(), source };
-    let pragma = |name: &str| connection.pragma_query_value(None, name, |row| row.get::<_, i64>(0));
-    let id = pragma("application_id").map_err(|source| match source.sqlite_error_code() {
-        Some(rusqlite::ErrorCode::NotADatabase) => {
-            StoreError::Foreign { path: path.to_owned(), found: "no SQLite database".into() }
-        }
-        _ => read_error(source),
-    })?;
-    if id != APPLICATION_ID {
-        return Err(StoreError::Foreign { path: path.to_owned(), found: format!("application id {id:#x}") });
-    }
-    let version = pragma("user_version").map_err(read_error)?;
-    if version != FORMAT_VERSION {
-        return Err(StoreError::Version { path: path.to_owned(), found: version, expected: FORMAT_VERSION });
-    }
-    Ok(())
 }

@@ -154,13 +154,81 @@ fn foreign_newer_and_broken_databases_are_refused() {
     assert!(matches!(open(), Some(StoreError::Version { found: 99, .. })));
 }
 
-#[test]
-fn a_directory_left_by_a_kill_during_creation_starts_anew() {
+/// The files of a run that has just been made.
+fn fresh_database() -> Vec<u8> {
     let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("scene.json"), "").unwrap();
-    std::fs::write(folder.path().join("run.sqlite"), "").unwrap();
-    let (_, existing) = RunStore::open(folder.path(), &scene(), false).unwrap();
-    assert!(!existing);
+    files::create(&database_path(folder.path()), &scene()).unwrap();
+    std::fs::read(database_path(folder.path())).unwrap()
+}
+
+/// Where a kill may have cut off the first `length` bytes that were written.
+fn cuts(length: usize) -> Vec<usize> {
+    let pages = (1..length / 4096).flat_map(|page| [4096 * page, 4096 * page + 700]);
+    [0, 1, 15, 16, 50, 99, 100, 1000, length - 1].into_iter().chain(pages).collect()
+}
+
+#[test]
+fn a_kill_during_the_first_transaction_leaves_a_directory_without_a_run() {
+    let whole = fresh_database();
+    for (name, more) in [("run.sqlite", 0), ("run.sqlite.partial", 1)] {
+        for cut in cuts(whole.len() + more) {
+            let folder = tempfile::tempdir().unwrap();
+            std::fs::write(folder.path().join(name), &whole[..cut]).unwrap();
+            assert!(matches!(RunReader::open(folder.path()), Err(StoreError::NoRun(_))), "{name} of {cut} bytes");
+            let (store, existing) = RunStore::open(folder.path(), &scene(), cut % 2 == 0).unwrap();
+            assert!(!existing && store.scene().unwrap() == scene(), "{name} of {cut} bytes");
+            drop(store);
+            assert!(!folder.path().join("run.sqlite.partial").exists());
+            assert!(RunStore::open(folder.path(), &scene(), true).unwrap().1);
+        }
+    }
+}
+
+/// As builds before this one did it: in place, with a journal.
+#[test]
+fn a_first_transaction_that_only_its_journal_knows_is_taken_back_and_done_again() {
+    let (whole, folder) = (fresh_database(), tempfile::tempdir().unwrap());
+    let [database, journal] = ["run.sqlite", "run.sqlite-journal"].map(|name| folder.path().join(name));
+    let writer = Connection::open(&database).unwrap();
+    let tables = include_str!("schema.sql");
+    let pragmas = format!("PRAGMA application_id = {APPLICATION_ID}; PRAGMA user_version = {FORMAT_VERSION};");
+    writer.execute_batch(&format!("PRAGMA cache_size = 1; BEGIN; {pragmas} {tables}")).unwrap();
+    writer.execute("INSERT INTO run VALUES ('filler', hex(zeroblob(100000)))", []).unwrap();
+    let [half, kept] = [&database, &journal].map(|file| std::fs::read(file).unwrap());
+    drop(writer);
+    assert!(!half.is_empty() && !kept.is_empty());
+    for (main, journal) in [(&half[..], &kept[..]), (&whole[..4096], &kept), (&[], &kept)] {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("run.sqlite"), main).unwrap();
+        std::fs::write(folder.path().join("run.sqlite-journal"), journal).unwrap();
+        let (store, existing) = RunStore::open(folder.path(), &scene(), true).unwrap();
+        assert!(!existing && store.scene().unwrap() == scene());
+    }
+}
+
+#[test]
+fn a_run_that_has_gone_on_and_was_cut_off_is_never_taken_for_an_unfinished_one() {
+    let folder = tempfile::tempdir().unwrap();
+    drop(RunStore::open(folder.path(), &scene(), false).unwrap());
+    let path = database_path(folder.path());
+    let whole = std::fs::read(&path).unwrap();
+    for cut in cuts(whole.len()).into_iter().filter(|cut| *cut >= 100) {
+        std::fs::write(&path, &whole[..cut]).unwrap();
+        assert!(RunStore::open(folder.path(), &scene(), true).is_err());
+        assert_eq!(std::fs::read(&path).unwrap().len(), cut);
+    }
+}
+
+#[test]
+fn files_of_somebody_else_beside_the_database_stay() {
+    for name in ["run.sqlite.partial", "run.sqlite-journal"] {
+        let folder = tempfile::tempdir().unwrap();
+        let mine = folder.path().join(name);
+        std::fs::write(&mine, "my notes").unwrap();
+        let refused = RunStore::open(folder.path(), &scene(), false).unwrap_err();
+        assert!(matches!(refused, StoreError::ForeignFile(_)), "{refused}");
+        assert_eq!(std::fs::read_to_string(&mine).unwrap(), "my notes");
+    }
 }
 
 #[test]
