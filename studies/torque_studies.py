@@ -108,7 +108,9 @@ def end_states(study):
             for options in surfaces.values():
                 where = ["--axes", "principal", "--obliquity-deg", start, "--duration-myr", 100]
                 cycle = study.json("rigid", study.mesh(row), *where, *options)
-                end, time = cycle["end_obliquity_deg"], cycle["cycle_time_myr"]
+                on_its_way = cycle["end"] in ("time_limit", "no_torque")
+                end = cycle["end_obliquity_deg" if on_its_way else "attractor_obliquity_deg"]
+                time = cycle["cycle_time_myr"]
                 after = "" if time is None else f" after {time:.2f} Myr"
                 cells.append(f"{end:.1f}, {cycle['end'].replace('_', ' ')}{after}")
             print(f"| {row} |", " | ".join(cells), "|", flush=True)

@@ -309,3 +309,142 @@ fn facets_with_corners_of_their_own_are_told_to_be_welded() {
     }
     assert_is_refused("soup.obj", soup, &["weld the vertices"]);
 }
+
+/// Two lobes of hexagonally close-packed spheres of 30 m that touch in single spheres.
+fn contact_binary() -> String {
+    let mut lobe = Vec::new();
+    for (layer, row, place) in (-4..=4).flat_map(|l| (-4..=4).flat_map(move |r| (-5..=5).map(move |p| (l, r, p)))) {
+        let odd = f64::from(i32::rem_euclid(layer, 2));
+        let x = 2.0 * f64::from(place) + f64::from(i32::rem_euclid(row, 2)) + odd;
+        let y = 3f64.sqrt() * f64::from(row) + odd / 3f64.sqrt();
+        let z = (8f64 / 3.0).sqrt() * f64::from(layer);
+        if x * x + y * y + z * z < 5.8 * 5.8 {
+            lobe.push([x, y, z]);
+        }
+    }
+    // Nearest pair of spheres at this distance of the lobes.
+    let gap = |apart: f64| {
+        let pairs = lobe
+            .iter()
+            .flat_map(|p| lobe.iter().map(move |q| [q[0] + apart - p[0], q[1] + 0.3 - p[1], q[2] + 0.2 - p[2]]));
+        pairs.map(|d| d.iter().map(|c| c * c).sum::<f64>()).fold(f64::INFINITY, f64::min).sqrt()
+    };
+    let (mut near, mut far) = (8.0, 14.0);
+    for _ in 0..50 {
+        let middle = 0.5 * (near + far);
+        if gap(middle) < 2.0 { near = middle } else { far = middle }
+    }
+    let mut text = String::from("x_m,y_m,z_m,mass_kg,radius_m\n");
+    let mass = 2960.0 * 4.0 / 3.0 * std::f64::consts::PI * 30_f64.powi(3);
+    for shift in [[0.0; 3], [far, 0.3, 0.2]] {
+        for p in &lobe {
+            // A hair apart, so that no pair overlaps.
+            let [x, y, z] = [0, 1, 2].map(|k| 30.003 * (p[k] + shift[k]));
+            text += &format!("{x},{y},{z},{mass},30\n");
+        }
+    }
+    text
+}
+
+fn yorp(arguments: &[&str]) -> std::process::Output {
+    Command::cargo_bin("yorp").unwrap().args(arguments).output().unwrap()
+}
+
+#[test]
+fn tile_writes_meshes_that_torque_accepts() {
+    let folder = tempfile::tempdir().unwrap();
+    let aggregate = write(&folder, "binary.csv", contact_binary());
+    let mesh = folder.path().join("mesh.obj");
+    for facets in ["100", "784", "3184"] {
+        let tiled =
+            yorp(&["tile", aggregate.to_str().unwrap(), "--out", mesh.to_str().unwrap(), "--facets", facets, "--json"]);
+        assert!(tiled.status.success(), "{}", String::from_utf8_lossy(&tiled.stderr));
+        let report: Value = serde_json::from_slice(&tiled.stdout).unwrap();
+        assert_eq!(report["facets"].to_string(), facets);
+        assert!(!String::from_utf8_lossy(&tiled.stderr).contains(" 0 "), "{}", String::from_utf8_lossy(&tiled.stderr));
+        let (code, _, message) = torque(&mesh, &[]);
+        assert_eq!(code, 0, "{facets}: {message}");
+    }
+}
+
+/// A body that necks, near fission, over 0.1 Myr: at every configuration its surface is one that `torque` accepts.
+#[test]
+fn a_contact_binary_has_a_legal_surface_at_every_configuration() {
+    let folder = tempfile::tempdir().unwrap();
+    write(&folder, "binary.csv", contact_binary());
+    let scene = r#"{"body": {"file": {"path": "binary.csv"}}, "spin": {"period_h": 5.2, "obliquity_deg": 30},
+                    "evolution": {"duration_myr": 0.1, "movement_radius_fraction": 0.1}}"#;
+    let (scene, run) = (write(&folder, "scene.json", scene), folder.path().join("run"));
+    let (scene, run) = (scene.to_str().unwrap(), run.to_str().unwrap());
+    let output = yorp(&["run", scene, "--out", run, "--json"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let out = folder.path().join("meshes");
+    let exported = yorp(&["export", run, "--format", "obj", "--out", out.to_str().unwrap(), "--json"]);
+    let exported: Value = serde_json::from_slice(&exported.stdout).unwrap();
+    let files = exported["files"].as_array().unwrap();
+    println!("{} configurations", files.len());
+    assert!(!files.is_empty());
+    for file in files {
+        let (code, _, message) = torque(&out.join(file.as_str().unwrap()), &[]);
+        assert_eq!(code, 0, "{file}: {message}");
+    }
+}
+
+/// Twenty equilateral facets: no torque by symmetry, whatever round-off leaves.
+#[test]
+fn a_body_without_torque_has_no_trend() {
+    let golden = 0.5 * (1.0 + 5.0_f64.sqrt());
+    let mut text = String::new();
+    let mut points = Vec::new();
+    for k in 0..3 {
+        for (a, b) in [(1.0, golden), (1.0, -golden), (-1.0, golden), (-1.0, -golden)] {
+            let mut p = [0.0; 3];
+            (p[k], p[(k + 1) % 3]) = (263.0 * a, 263.0 * b);
+            text += &format!("v {:?} {:?} {:?}\n", p[0], p[1], p[2]);
+            points.push(p);
+        }
+    }
+    let square = |a: &[f64; 3], b: &[f64; 3]| (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>();
+    let near = |a: usize, b: usize| square(&points[a], &points[b]) < 1.1 * (2.0 * 263.0_f64).powi(2);
+    for a in 0..12 {
+        for b in a + 1..12 {
+            for c in (b + 1..12).filter(|c| near(a, b) && near(b, *c) && near(a, *c)) {
+                let [p, q, r] = [a, b, c].map(|v| points[v]);
+                let det = p[0] * (q[1] * r[2] - q[2] * r[1]) - p[1] * (q[0] * r[2] - q[2] * r[0])
+                    + p[2] * (q[0] * r[1] - q[1] * r[0]);
+                let (b, c) = if det > 0.0 { (b, c) } else { (c, b) };
+                text += &format!("f {} {} {}\n", a + 1, b + 1, c + 1);
+            }
+        }
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let file = write(&folder, "icosahedron.obj", text);
+    let rigid = |json: bool| {
+        let mut command = Command::cargo_bin("yorp").unwrap();
+        command.arg("rigid").arg(&file).args(["--obliquity-deg", "30"]).args(json.then_some("--json"));
+        let output = command.output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let text = rigid(false);
+    assert!(text.contains("no YORP torque above its error") && text.contains("obliquity: 30.00 deg"), "{text}");
+    assert!(!text.contains("for ever") && !text.contains("tends to"), "{text}");
+    let cycle: Value = serde_json::from_str(&rigid(true)).unwrap();
+    assert_eq!((&cycle["end"], &cycle["attractor_obliquity_deg"]), (&Value::from("no_torque"), &Value::Null));
+    assert!((cycle["end_obliquity_deg"].as_f64().unwrap() - 30.0).abs() < 1e-9);
+    assert_eq!(cycle["max_spin_rev_day"], cycle["end_spin_rev_day"]);
+}
+
+/// What is printed as the end is the last state that was followed, not where it tends.
+#[test]
+fn a_time_limit_reports_the_last_state_and_the_attractor_beside_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = write(&folder, "wedge.obj", base());
+    let arguments = ["--axes", "principal", "--obliquity-deg", "30", "--duration-myr", "1e-6", "--json"];
+    let output = Command::cargo_bin("yorp").unwrap().arg("rigid").arg(&file).args(arguments).output().unwrap();
+    let cycle: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let last = |key: &str| cycle[key].as_array().unwrap().last().unwrap().as_f64().unwrap();
+    assert_eq!(cycle["end_obliquity_deg"].as_f64().unwrap(), last("obliquity_deg"));
+    assert!((last("obliquity_deg") - 30.0).abs() < 1.0, "{}", last("obliquity_deg"));
+    assert!((cycle["attractor_obliquity_deg"].as_f64().unwrap() - 30.0).abs() > 5.0, "{cycle}");
+}

@@ -40,7 +40,7 @@ fn the_mesh_is_closed_has_the_facets_asked_for_and_lies_over_the_spheres() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let report: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!((&report["facets"], &report["vertices"]), (&Value::from(384), &Value::from(194)));
-    let mesh = yorp::exchange::read_mesh(&out, 1.0).unwrap();
+    let mesh = yorp::exchange::read_mesh(&out, 1.0).unwrap().mesh;
     let solid = mesh.solid();
     assert!((report["volume_m3"].as_f64().unwrap() / solid.volume - 1.0).abs() < 1e-9);
     // The centre of mass of the spheres, and the long axis along y.

@@ -38,8 +38,12 @@ fn the_object_has_exactly_the_keys_of_the_contract() {
         "obliquity_deg",
         "spin_torque_n_m",
         "obliquity_torque_n_m",
+        "spin_acceleration_deg_day2",
+        "spin_acceleration_rev_day_myr",
+        "obliquity_rate_deg_myr",
         "transverse_force_n",
         "semimajor_axis_drift_au_myr",
+        "semimajor_axis_drift_m_yr",
         "inertia_kg_m2",
         "volume_m3",
         "facets",
@@ -101,6 +105,84 @@ fn the_text_is_a_table_with_rates_and_errors() {
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(text.contains("4 facets") && text.contains("rev/day/Myr") && text.contains("declination_nodes"), "{text}");
     assert!(text.lines().count() > 40);
+}
+
+/// The same rates in the units that observers and theorists use.
+#[test]
+fn rates_are_those_of_the_torques() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = torque(&write(&folder, LOPSIDED), &["--thermal-inertia", "200", "--obliquity-deg", "20,60"]);
+    let inertia = table["inertia_kg_m2"].as_f64().unwrap();
+    let close = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-12, "{a} {b}");
+    let of = |key: &str| numbers(&table[key]);
+    for k in 0..2 {
+        let acceleration = of("spin_torque_n_m")[k] / inertia;
+        close(of("spin_acceleration_deg_day2")[k], acceleration.to_degrees() * 86_400.0 * 86_400.0);
+        close(of("spin_acceleration_rev_day_myr")[k], of("spin_acceleration_deg_day2")[k] / 360.0 * 365.25e6);
+        let tilt = of("obliquity_torque_n_m")[k] / (inertia * std::f64::consts::TAU / 21_600.0);
+        close(of("obliquity_rate_deg_myr")[k], tilt.to_degrees() * 365.25e6 * 86_400.0);
+        close(of("semimajor_axis_drift_m_yr")[k], of("semimajor_axis_drift_au_myr")[k] * 149_597.870_7);
+    }
+    let text = yorp().arg("torque").arg(write(&folder, LOPSIDED)).args(["--thermal-inertia", "200"]).output().unwrap();
+    let text = String::from_utf8(text.stdout).unwrap();
+    let heads: Vec<Vec<&str>> = text
+        .lines()
+        .skip(3)
+        .take(2)
+        .map(|line| line.split("  ").map(str::trim).filter(|w| !w.is_empty()).collect())
+        .collect();
+    let mut columns: Vec<String> =
+        heads[0].iter().zip(&heads[1]).map(|(name, unit)| format!("{name} {unit}")).collect();
+    assert_eq!(columns.len(), 9, "{text}");
+    columns.sort();
+    assert!(columns.windows(2).all(|pair| pair[0] != pair[1]), "{columns:?}");
+}
+
+#[test]
+fn chosen_obliquities_carry_no_error_of_an_interpolation() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = write(&folder, LOPSIDED);
+    for list in ["45", "0,60,120,180"] {
+        let parts = torque(&file, &["--obliquity-deg", list])["error_estimate"]["parts"].clone();
+        assert!(parts.get("declination_nodes").is_some() && parts.get("obliquity_interpolation").is_none(), "{parts}");
+    }
+    assert!(torque(&file, &[])["error_estimate"]["parts"].get("obliquity_interpolation").is_some());
+}
+
+#[test]
+fn hapke_parameters_change_the_torques_and_have_the_ranges_of_the_scene() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = write(&folder, LOPSIDED);
+    let list = ["--obliquity-deg", "30"];
+    let spin = |arguments: &[&str]| torque(&file, &[&list, arguments].concat())["spin_torque_n_m"].clone();
+    let usual = spin(&[]);
+    assert_eq!(spin(&["--hapke-single-scattering-albedo", "0.23", "--hapke-asymmetry", "-0.35"]), usual);
+    for changed in [
+        ["--hapke-single-scattering-albedo", "0.4"],
+        ["--hapke-roughness-deg", "0"],
+        ["--hapke-asymmetry", "0.1"],
+        ["--hapke-multiple-scattering", "imsa"],
+    ] {
+        assert_ne!(spin(&changed), usual, "{changed:?}");
+    }
+}
+
+#[test]
+fn odd_densities_periods_and_axes_are_questioned_on_stderr() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = write(&folder, LOPSIDED);
+    let says = |arguments: &[&str]| {
+        let output = yorp().arg("torque").arg(&file).args(["--obliquity-deg", "30"]).args(arguments).output().unwrap();
+        assert!(output.status.success());
+        String::from_utf8(output.stderr).unwrap()
+    };
+    assert!(says(&["--density-kg-m3", "2.7"]).contains("is it in g/cm^3?"));
+    assert!(says(&["--period-h", "21600"]).contains("is it in seconds?"));
+    assert!(says(&["--period-h", "0.25", "--unit", "km"]).contains("is it in days?"));
+    assert!(says(&[]).contains("off the axis of largest moment") && says(&[]).contains("--axes principal"));
+    assert!(says(&["--axes", "principal"]).is_empty());
+    assert!(says(&["--unit", "cm", "--axes", "principal"]).is_empty());
+    assert!(says(&["--unit", "cm", "--density-kg-m3", "1e5"]).contains("asteroids have 500 to 8000"));
 }
 
 #[test]
@@ -169,7 +251,7 @@ fn impossible_arguments_are_refused_with_what_is_allowed() {
     let folder = tempfile::tempdir().unwrap();
     let file = write(&folder, LOPSIDED);
     let wall = ["--wall-coverage", "0.1", "--wall-thickness-m", "0.1", "--wall-conductivity-w-m-k", "1"];
-    let cases: [(&[&str], &str); 25] = [
+    let cases: [(&[&str], &str); 30] = [
         (&["--density-kg-m3", "-5"], "above 0"),
         (&["--eccentricity", "1"], "at least 0, below 1"),
         (&["--orbit-au", "0"], "at least 0.01, at most 1000"),
@@ -195,6 +277,11 @@ fn impossible_arguments_are_refused_with_what_is_allowed() {
         (&["--reflectance", "lambert", "--bond-albedo", "1.5"], "at most 1"),
         (&["--period-h", "nan"], "at least 0.002, at most 1e9"),
         (&["--emissivity", "0"], "above 0, at most 1"),
+        (&["--hapke-single-scattering-albedo", "1"], "at least 0, below 1"),
+        (&["--hapke-roughness-deg", "60"], "at least 0, below 60"),
+        (&["--hapke-asymmetry", "-1"], "above -1, below 1"),
+        (&["--hapke-roughness-deg", "10", "--reflectance", "none"], "--reflectance hapke only"),
+        (&["--hapke-multiple-scattering", "imsa", "--reflectance", "lambert"], "--reflectance hapke only"),
     ];
     for (arguments, expected) in cases {
         let output = yorp().arg("torque").arg(&file).args(arguments).output().unwrap();
@@ -242,11 +329,13 @@ fn stored_heat_moves_the_obliquity_torque_alone_and_brings_a_force() {
     let (force, drift) = (numbers(&warm["transverse_force_n"]), numbers(&warm["semimajor_axis_drift_au_myr"]));
     assert!(force[0] > 0.0 && drift[0] > 0.0 && force[36] < 0.0 && drift[36] < 0.0);
     let text = std::fs::read_to_string(csv).unwrap();
-    let header = "obliquity_deg,spin_rate_rad_s,spin_torque_n_m,obliquity_torque_n_m,transverse_force_n,semimajor_axis_drift_au_myr";
+    let header = "obliquity_deg,spin_rate_rad_s,spin_torque_n_m,obliquity_torque_n_m,spin_acceleration_deg_day2,\
+                  spin_acceleration_rev_day_myr,obliquity_rate_deg_myr,transverse_force_n,semimajor_axis_drift_au_myr,\
+                  semimajor_axis_drift_m_yr";
     assert_eq!(text.lines().next(), Some(header));
     assert_eq!(text.lines().count(), 38);
     let row: Vec<f64> = text.lines().nth(2).unwrap().split(',').map(|x| x.parse().unwrap()).collect();
-    assert_eq!((row[0], row[2], row[4]), (5.0, numbers(&warm["spin_torque_n_m"])[1], force[1]));
+    assert_eq!((row[0], row[2], row[7]), (5.0, numbers(&warm["spin_torque_n_m"])[1], force[1]));
     // Another spin, another torque.
     let slow = torque(&file, &["--thermal-inertia", "200", "--period-h", "60"]);
     assert_ne!(slow["obliquity_torque_n_m"], warm["obliquity_torque_n_m"]);

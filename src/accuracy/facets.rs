@@ -9,9 +9,9 @@
 
 use cpu_time::ProcessTime;
 use pkd::mass_properties::mass_properties;
-use taco::{Orbit, Sampling, Surface, TorqueTable, torque_table};
+use taco::{BodyMesh, Orbit, Pose, Sampling, Surface, TorqueTable, torque_table};
 use tiling::hull::sphere_hull_volume;
-use tiling::{EllipsoidTiling, ImplicitSurface, Mesh};
+use tiling::{EllipsoidTiling, ImplicitSurface};
 
 use super::body::Bench;
 use super::{About, AccuracyError, Effort, Knob, Point, half_range};
@@ -77,10 +77,11 @@ impl BodyToTile {
         Ok(Self { surface, semi_axes: (axes * scale).into() })
     }
 
-    /// The tiling with so many facets.
-    pub fn tiled(&self, facets: u32) -> Result<Mesh, AccuracyError> {
+    /// The body with a tiling of so many facets, about the spheres' centre of mass.
+    pub fn tiled(&self, facets: u32) -> Result<BodyMesh, AccuracyError> {
         let options = TilingOptions { facets, ..TilingOptions::default() };
-        Ok(EllipsoidTiling::new(self.semi_axes, options.vertices())?.projected(&self.surface).mesh)
+        let tiling = EllipsoidTiling::new(self.semi_axes, options.vertices())?.projected(&self.surface)?;
+        Ok(BodyMesh::posed(&tiling.mesh, &Pose::default())?)
     }
 
     /// The torques of an average S-type surface at 1 au, tiled with so many facets.

@@ -8,8 +8,7 @@
 use std::f64::consts::TAU;
 
 use cpu_time::ProcessTime;
-use taco::{Interpolation, Obliquities, Orbit, Sampling, SpinRates, Surface, TorqueTable, torque_table};
-use tiling::Mesh;
+use taco::{BodyMesh, Interpolation, Obliquities, Orbit, Sampling, SpinRates, Surface, TorqueTable, torque_table};
 
 use super::body::Bench;
 use super::facets::{BodyToTile, difference};
@@ -161,14 +160,14 @@ impl Knob for SamplingKnob {
             Effort::Quick => 2,
             Effort::Full => 4,
         };
-        let meshes = SEEDS
+        let bodies = SEEDS
             .take(count)
             .map(|seed| BodyToTile::new(bench, seed)?.tiled(self.facets))
             .collect::<Result<Vec<_>, _>>()?;
         let curves = |value: f64| -> Result<(Vec<TorqueTable>, f64), AccuracyError> {
             let clock = ProcessTime::now();
-            let tables = meshes.iter().map(|mesh| self.curve(mesh, value)).collect::<Result<Vec<_>, _>>()?;
-            let seconds = clock.elapsed().as_secs_f64() / meshes.len() as f64;
+            let tables = bodies.iter().map(|body| self.curve(body, value)).collect::<Result<Vec<_>, _>>()?;
+            let seconds = clock.elapsed().as_secs_f64() / bodies.len() as f64;
             Ok((tables.iter().map(between).collect::<Result<_, _>>()?, seconds))
         };
         let (reference, _) = curves(self.reference)?;
@@ -184,8 +183,8 @@ impl Knob for SamplingKnob {
 }
 
 impl SamplingKnob {
-    fn curve(&self, mesh: &Mesh, value: f64) -> Result<TorqueTable, AccuracyError> {
-        Ok(torque_table(mesh, &(self.surface)(), &Orbit::default(), &(self.with)(value))?)
+    fn curve(&self, body: &BodyMesh, value: f64) -> Result<TorqueTable, AccuracyError> {
+        Ok(torque_table(body, &(self.surface)(), &Orbit::default(), &(self.with)(value))?)
     }
 }
 

@@ -7,8 +7,7 @@
 use std::f64::consts::TAU;
 
 use cpu_time::ProcessTime;
-use taco::{Interpolation, Orbit, Sampling, Surface, TorqueInterpolant, torque_table};
-use tiling::Mesh;
+use taco::{BodyMesh, Interpolation, Orbit, Sampling, SpinAxis, Surface, TorqueInterpolant, torque_table};
 
 use super::body::Bench;
 use super::facets::BodyToTile;
@@ -71,8 +70,8 @@ impl Knob for SpinKnob {
     }
 
     fn points(&self, bench: &mut Bench) -> Result<Vec<Point>, AccuracyError> {
-        let mesh = BodyToTile::new(bench, 1)?.tiled(TilingOptions::default().facets)?;
-        let body = Body::new(&mesh)?;
+        let body = BodyToTile::new(bench, 1)?.tiled(TilingOptions::default().facets)?;
+        let body = Body::new(&body)?;
         let reference = body.end(Integrator::Adaptive { tolerance: FINEST })?;
         let mut points = Vec::new();
         for &value in self.values {
@@ -98,12 +97,10 @@ struct Body {
 }
 
 impl Body {
-    fn new(mesh: &Mesh) -> Result<Self, AccuracyError> {
-        let solid = mesh.solid();
-        let axes = solid.principal_axes();
-        let mesh = mesh.translated(solid.centre_of_mass.map(|c| -c)).rotated(&axes.rotation);
-        let inertia = DENSITY_KG_M3 * axes.moments[2];
-        let table = torque_table(&mesh, &Surface::default(), &Orbit::default(), &Sampling::default())?;
+    fn new(tiled: &BodyMesh) -> Result<Self, AccuracyError> {
+        let body = BodyMesh::uniform(tiled.mesh().clone(), SpinAxis::Largest)?;
+        let inertia = DENSITY_KG_M3 * body.spin_moment();
+        let table = torque_table(&body, &Surface::default(), &Orbit::default(), &Sampling::default())?;
         let largest = table.spin_torque_n_m[0].iter().fold(0.0_f64, |m, t| m.max(t.abs()));
         let start = SpinState { t_s: 0.0, omega: TAU / 21_600.0, obliquity: 5_f64.to_radians() };
         let duration_s = HALF * start.omega * inertia / largest;

@@ -55,7 +55,7 @@ pub struct RigidRange {
     pub min_spin_rev_day: f64,
     /// In the end; `None` if it grows for ever.
     pub end_spin_rev_day: Option<f64>,
-    /// Obliquity to which it tends, deg.
+    /// Obliquity to which it tends, deg; that of the last state where the time ended first.
     pub end_obliquity_deg: f64,
     /// Time of the YORP cycle (t_YC), Myr; `None` if it does not end.
     pub cycle_time_myr: Option<f64>,
@@ -71,14 +71,15 @@ impl RigidRange {
         let shape = Shape::from_record(&run.scene, record.clone())?;
         let start = SpinState { t_s: start.t_s, omega: start.omega, obliquity: start.obliquity };
         let integrator = Integrator::Rk4 { step_s: run.scene.evolution.rk4_step_yr * YEAR_S };
-        let cycle = rigid_cycle(&shape.torque, shape.inertia(), start, RIGID_LIMIT_MYR * MYR_S, integrator)?;
+        let (errors, duration_s) = (shape.torque_errors(), RIGID_LIMIT_MYR * MYR_S);
+        let cycle = rigid_cycle(&shape.torque, errors, shape.inertia(), start, duration_s, integrator)?;
         let finite = |omega: f64| omega.is_finite().then(|| omega / REV_PER_DAY);
         Ok(Some(Self {
             end: cycle.end,
             max_spin_rev_day: finite(cycle.max_omega),
             min_spin_rev_day: cycle.min_omega / REV_PER_DAY,
             end_spin_rev_day: finite(cycle.end_omega),
-            end_obliquity_deg: cycle.end_obliquity.to_degrees(),
+            end_obliquity_deg: cycle.final_obliquity().to_degrees(),
             cycle_time_myr: cycle.cycle_time_s.map(|t| t / MYR_S),
         }))
     }

@@ -1,7 +1,7 @@
 //! Synthetic series of known type.
 
 use super::*;
-use crate::evolve::rigid::{REV_PER_DAY, rigid_cycle};
+use crate::evolve::rigid::{REV_PER_DAY, TorqueErrors, rigid_cycle};
 use crate::evolve::spin::{Integrator, SpinState, YEAR_S};
 
 /// No shape is like another.
@@ -61,7 +61,8 @@ fn sign(k: usize) -> f64 {
 fn a_rigid_yorp_cycle_is_a_modified_cycle() {
     let torque = |obliquity: f64, _: f64| (1e-18 * (2.0 * obliquity).cos() + 2e-19, 1e-18 * (2.0 * obliquity).sin());
     let start = SpinState { t_s: 0.0, omega: 4.0 * REV_PER_DAY, obliquity: 5_f64.to_radians() };
-    let cycle = rigid_cycle(&torque, 1.0, start, 30.0 * MYR_S, Integrator::Rk4 { step_s: 1000.0 * YEAR_S }).unwrap();
+    let integrator = Integrator::Rk4 { step_s: 1000.0 * YEAR_S };
+    let cycle = rigid_cycle(&torque, TorqueErrors::default(), 1.0, start, 30.0 * MYR_S, integrator).unwrap();
     let segments: Vec<Segment> = cycle
         .states
         .windows(2)

@@ -37,6 +37,18 @@ pub(super) fn fraction(text: &str) -> Result<f64, String> {
     number(text, |x| (0.0..=1.0).contains(&x), "at least 0, at most 1")
 }
 
+pub(super) fn single_scattering_albedo(text: &str) -> Result<f64, String> {
+    number(text, |x| (0.0..1.0).contains(&x), "at least 0, below 1")
+}
+
+pub(super) fn roughness_deg(text: &str) -> Result<f64, String> {
+    number(text, |x| (0.0..60.0).contains(&x), "at least 0, below 60")
+}
+
+pub(super) fn asymmetry(text: &str) -> Result<f64, String> {
+    number(text, |x| x > -1.0 && x < 1.0, "above -1, below 1")
+}
+
 pub(super) fn emissivity(text: &str) -> Result<f64, String> {
     number(text, |x| x > 0.0 && x <= 1.0, "above 0, at most 1")
 }

@@ -149,6 +149,7 @@ impl From<EvolveError> for CliError {
             EvolveError::Shed(_)
             | EvolveError::Dynamics(_)
             | EvolveError::Tiling(_)
+            | EvolveError::Surface { .. }
             | EvolveError::Torque(_)
             | EvolveError::Spin(_) => Failure::Numerical,
             EvolveError::BrokeUpWhileSettling { .. } => Failure::Numerical,

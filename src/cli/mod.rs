@@ -8,6 +8,7 @@ mod build;
 mod classify;
 pub mod error;
 mod export;
+mod guard;
 mod help;
 mod output;
 mod plan;
@@ -56,7 +57,7 @@ enum Command {
     Schema,
     /// Fit a triangle surface to an aggregate (CSV)
     Tile(tile::Arguments),
-    /// Compute the YORP torques of a shape model (OBJ) at every obliquity
+    /// Compute the YORP torques of a shape model at every obliquity
     Torque(torque::Arguments),
     /// Follow shed spheres, or the other half of a fission, around an aggregate
     Track(track::Arguments),

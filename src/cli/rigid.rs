@@ -13,7 +13,7 @@ use super::{CliError, arguments as value, output};
 use crate::evolve::build::build;
 use crate::evolve::configuration::{Original, object_0};
 use crate::evolve::driver::MYR_S;
-use crate::evolve::rigid::{REV_PER_DAY, RigidCycle, RigidEnd, TOLERANCE, rigid_cycle, sphere_limit};
+use crate::evolve::rigid::{REV_PER_DAY, RigidCycle, RigidEnd, TOLERANCE, TorqueErrors, rigid_cycle, sphere_limit};
 use crate::evolve::settling::begin;
 use crate::evolve::spin::{Integrator, SpinState, YEAR_S};
 use crate::exchange::{check_table_name, write_table};
@@ -24,7 +24,7 @@ use crate::store::Ledger;
 #[derive(Debug, clap::Args)]
 #[command(allow_negative_numbers = true)]
 pub(super) struct Arguments {
-    /// A shape model (OBJ), or a scene (JSON), whose body is built and settled first
+    /// A shape model (OBJ, PLY, STL, OFF or plate table), or a scene (JSON), whose body is built and settled first
     body: PathBuf,
     /// Initial rotation period, h [default: 6, or the scene's]
     #[arg(long, value_name = "P", value_parser = value::period_h)]
@@ -50,6 +50,9 @@ pub(super) struct Arguments {
     #[command(flatten, next_help_heading = "For a shape model (a scene has its own)")]
     sunlit: SunlitMesh,
 }
+
+/// Period of a shape model, h.
+const DEFAULT_PERIOD_H: f64 = 6.0;
 
 /// How the spin is integrated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -80,6 +83,7 @@ impl Arguments {
 /// A body whose cycle can be followed.
 struct Rigid {
     torque: TorqueInterpolant,
+    errors: TorqueErrors,
     /// Spin rates of the table behind it, rad/s; one if the torque does not depend on them.
     spin_rates: Vec<f64>,
     inertia_kg_m2: f64,
@@ -102,8 +106,8 @@ pub(super) fn run(arguments: &Arguments, as_json: bool) -> Result<(), CliError> 
     }
     let start = SpinState { t_s: 0.0, omega: rigid.omega, obliquity: rigid.obliquity };
     let duration_s = arguments.duration_myr * MYR_S;
-    let cycle =
-        rigid_cycle(&rigid.torque, rigid.inertia_kg_m2, start, duration_s, integrator).map_err(CliError::numerical)?;
+    let cycle = rigid_cycle(&rigid.torque, rigid.errors, rigid.inertia_kg_m2, start, duration_s, integrator)
+        .map_err(CliError::numerical)?;
     if let Some(file) = &arguments.out {
         write_table(&columns(&cycle, &rigid.torque), file)?;
     }
@@ -152,15 +156,17 @@ fn of_mesh(arguments: &Arguments) -> Result<Rigid, CliError> {
     let surface = arguments.sunlit.surface()?;
     let body = arguments.sunlit.body(&arguments.body)?;
     arguments.sunlit.warn_of_seasons(&surface);
+    body.warn_of_period(arguments.period_h.unwrap_or(DEFAULT_PERIOD_H));
     let sampling = arguments.sunlit.sampling(SpinRates::default());
     let table =
         taco::torque_table(&body.mesh, &surface, &arguments.sunlit.orbit(), &sampling).map_err(torque_failed)?;
     Ok(Rigid {
+        errors: TorqueErrors { spin: table.error.spin_torque_n_m, obliquity: table.error.obliquity_torque_n_m },
         torque: table.interpolant(Interpolation::Cubic).map_err(torque_failed)?,
         spin_rates: table.omega,
         inertia_kg_m2: body.inertia_kg_m2,
         density_kg_m3: arguments.sunlit.density_kg_m3,
-        omega: TAU / (6.0 * 3600.0),
+        omega: TAU / (DEFAULT_PERIOD_H * 3600.0),
         obliquity: 5_f64.to_radians(),
     })
 }
@@ -175,6 +181,7 @@ fn of_scene(path: &Path) -> Result<Rigid, CliError> {
     let state = begin(scene, built.spheres)?;
     let shape = object_0(scene, &original, &state, &mut Ledger::default())?;
     Ok(Rigid {
+        errors: shape.torque_errors(),
         spin_rates: shape.record.torque.spin_rate.clone(),
         inertia_kg_m2: shape.inertia(),
         density_kg_m3: shape.record.densities_kg_m3[2],
@@ -190,6 +197,7 @@ fn end_name(end: RigidEnd) -> &'static str {
         RigidEnd::InfiniteSpinUp => "infinite_spin_up",
         RigidEnd::Stalled => "stalled",
         RigidEnd::TimeLimit => "time_limit",
+        RigidEnd::NoTorque => "no_torque",
     }
 }
 
@@ -209,6 +217,9 @@ fn as_value(cycle: &RigidCycle, limits: &SpinLimits, integrator: Integrator) -> 
         "end_spin_rev_day": rev_per_day(cycle.end_omega),
         "end_obliquity_deg": cycle.end_obliquity.to_degrees(),
         "end_spin_rate_change_rev_day_myr": rev_day_myr(cycle.end_omega_rate),
+        "attractor_obliquity_deg": cycle.attractor.map(|a| a.obliquity.to_degrees()),
+        "attractor_spin_rate_change_rev_day_myr": cycle.attractor.map(|a| rev_day_myr(a.omega_rate)),
+        "torque_above_error": {"spin": cycle.above_error[0], "obliquity": cycle.above_error[1]},
         "cycle_time_myr": cycle.cycle_time_s.map(|t| t / MYR_S),
         "t_myr": column(|s| s.t_s / MYR_S),
         "spin_rev_day": column(|s| s.omega / REV_PER_DAY),
@@ -231,15 +242,16 @@ fn as_text(cycle: &RigidCycle, limits: &SpinLimits, integrator: Integrator) -> S
         false => "infinite".to_owned(),
     };
     let last = cycle.states.last().expect("the initial state is always there");
+    let myr = last.t_s / MYR_S;
     let time = match (cycle.end, cycle.cycle_time_s) {
         (_, Some(t)) => {
             format!("end of the YORP cycle (t_YC) after {:.4} Myr: spins down to {}", t / MYR_S, spin(cycle.end_omega))
         }
-        (RigidEnd::InfiniteSpinUp, _) => format!("spins up for ever, followed for {:.3} Myr", last.t_s / MYR_S),
-        (RigidEnd::Stalled, _) => format!("stalls after {:.3} Myr", last.t_s / MYR_S),
-        _ => format!("on its way after {:.3} Myr", last.t_s / MYR_S),
+        (RigidEnd::InfiniteSpinUp, _) => format!("spins up for ever, followed for {myr:.3} Myr"),
+        (RigidEnd::Stalled, _) => format!("stalls after {myr:.3} Myr"),
+        (RigidEnd::NoTorque, _) => format!("no YORP torque above its error: spin and obliquity stay for {myr:.3} Myr"),
+        _ => format!("on its way after {myr:.3} Myr"),
     };
-    let limit_spin = spin(limits.gravity);
     let mut limit = match limits.gravity_s {
         Some(t) => format!("passed after {:.3} Myr", t / MYR_S),
         None => "not reached".to_owned(),
@@ -252,16 +264,32 @@ fn as_text(cycle: &RigidCycle, limits: &SpinLimits, integrator: Integrator) -> S
         Integrator::Rk4 { step_s } => format!("Runge-Kutta steps of {} yr", step_s / YEAR_S),
     };
     format!(
-        "{time}\nspin: largest {}, smallest {}, in the end {}\nobliquity in the end: {:.2} deg, where the spin changes by \
-         {:.3e} rev/day/Myr\nspin limit of a sphere of this density: {limit_spin}, {limit}\n\
+        "{time}\nspin: largest {}, smallest {}, in the end {}\nobliquity: {:.2} deg after {myr:.3} Myr{}\n\
+         spin limit of a sphere of this density: {}, {limit}\n\
          {} {steps}, error of the spin {:.1e} (relative), of the obliquity {:.1e} deg\n",
         spin(cycle.max_omega),
         spin(cycle.min_omega),
         spin(cycle.end_omega),
-        cycle.end_obliquity.to_degrees(),
-        rev_day_myr(cycle.end_omega_rate),
+        last.obliquity.to_degrees(),
+        trend(cycle),
+        spin(limits.gravity),
         cycle.steps,
         cycle.omega_error,
         cycle.obliquity_error.to_degrees(),
     )
+}
+
+/// Where the axis tends, and what is not known of it.
+fn trend(cycle: &RigidCycle) -> String {
+    let unknown = match cycle.above_error {
+        [true, true] | [false, false] => "",
+        [false, true] => "\nno spin torque above its error: the spin stays",
+        [true, false] => "\nno obliquity torque above its error: the obliquity stays",
+    };
+    let Some(attractor) = cycle.attractor else { return String::new() };
+    let change = match attractor.omega_rate {
+        0.0 => "where the spin torque does not exceed its error".to_owned(),
+        rate => format!("where the spin changes by {:.3e} rev/day/Myr", rev_day_myr(rate)),
+    };
+    format!("; tends to {:.2} deg, {change}{unknown}", attractor.obliquity.to_degrees())
 }

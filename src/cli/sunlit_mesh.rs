@@ -1,10 +1,11 @@
 //! A shape model in sunlight, as `yorp torque` and `yorp rigid` take it from the command line.
 
 use clap::ValueEnum;
-use tiling::Mesh;
+use taco::{BodyMesh, SpinAxis};
 
 use super::CliError;
 use super::arguments::{self, Switch};
+use super::guard;
 use crate::exchange::read_mesh;
 
 /// What the mesh is made of, how its surface scatters and where the Sun is.
@@ -50,9 +51,37 @@ pub(super) struct SunlitMesh {
     #[arg(long, value_enum, default_value = "none")]
     self_heating: SelfHeating,
     #[command(flatten)]
+    hapke: Hapke,
+    #[command(flatten)]
     wall: Wall,
     #[command(flatten)]
     knobs: Knobs,
+}
+
+/// Parameters of Hapke's reflectance; what is not given is that of an average S-type.
+#[derive(Debug, clap::Args)]
+struct Hapke {
+    /// Hapke: single-scattering albedo w [default: 0.23]
+    #[arg(long, value_name = "W", value_parser = arguments::single_scattering_albedo)]
+    hapke_single_scattering_albedo: Option<f64>,
+    /// Hapke: mean slope angle of the roughness below facet size [default: 20]
+    #[arg(long, value_name = "THETA", value_parser = arguments::roughness_deg)]
+    hapke_roughness_deg: Option<f64>,
+    /// Hapke: asymmetry of the Henyey-Greenstein function; negative scatters back [default: -0.35]
+    #[arg(long, value_name = "G", value_parser = arguments::asymmetry)]
+    hapke_asymmetry: Option<f64>,
+    /// Hapke: multiple-scattering term [default: h2002]
+    #[arg(long, value_enum)]
+    hapke_multiple_scattering: Option<MultipleScattering>,
+}
+
+/// Multiple-scattering term of the Hapke reflectance.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum MultipleScattering {
+    /// Anisotropic (Hapke 2002)
+    H2002,
+    /// Isotropic (Hapke 1981)
+    Imsa,
 }
 
 /// Stones as walls, for tangential YORP: all four or none.
@@ -94,6 +123,7 @@ struct Knobs {
 enum Unit {
     M,
     Km,
+    Cm,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -121,10 +151,18 @@ enum SelfHeating {
 
 /// A mesh ready for its torques: origin at the centre of mass, spin about +z.
 pub(super) struct MeshBody {
-    pub mesh: Mesh,
+    pub mesh: BodyMesh,
     pub volume_m3: f64,
     pub inertia_kg_m2: f64,
     pub radius_m: f64,
+    density_kg_m3: f64,
+}
+
+impl MeshBody {
+    /// Tells on stderr of a period that looks like one of another unit.
+    pub fn warn_of_period(&self, period_h: f64) {
+        guard::warn(guard::period(period_h, self.radius_m, self.density_kg_m3));
+    }
 }
 
 impl SunlitMesh {
@@ -136,9 +174,12 @@ impl SunlitMesh {
                 let message = format!("--bond-albedo {albedo} has a meaning with --reflectance lambert only");
                 return Err(CliError::refused(message));
             }
-            (Scattering::Hapke, None) => taco::Reflectance::default(),
+            (Scattering::Hapke, None) => taco::Reflectance::Hapke(self.hapke.to_taco()),
             (Scattering::None, None) => taco::Reflectance::None,
         };
+        if let (Scattering::Lambert | Scattering::None, Some(flag)) = (self.reflectance, self.hapke.first_given()) {
+            return Err(CliError::refused(format!("{flag} has a meaning with --reflectance hapke only")));
+        }
         if self.sky_blockage_reflected.is_on() && !self.sky_blockage.is_on() {
             return Err(CliError::refused("--sky-blockage-reflected on goes with --sky-blockage on only"));
         }
@@ -187,26 +228,58 @@ impl SunlitMesh {
         let metres = match self.unit {
             Unit::M => 1.0,
             Unit::Km => 1000.0,
+            Unit::Cm => 0.01,
         };
         let read = read_mesh(file, metres)?;
         for remark in read.remarks() {
             eprintln!("warning: {}: {remark}", file.display());
         }
-        let mesh = read.mesh;
-        let solid = mesh.solid();
-        let centred = mesh.translated(solid.centre_of_mass.map(|c| -c));
-        let (mesh, moment) = match self.axes {
-            Axes::File => (centred, solid.inertia[(2, 2)]),
-            Axes::Principal => {
-                let axes = solid.principal_axes();
-                (centred.rotated(&axes.rotation), axes.moments[2])
-            }
+        let axis = match self.axes {
+            Axes::File => SpinAxis::Z,
+            Axes::Principal => SpinAxis::Largest,
         };
-        let radius_m = solid.equal_volume_radius();
-        if !(1.0..=1e6).contains(&radius_m) {
-            eprintln!("warning: the sphere of equal volume has a radius of {radius_m:.3e} m; is --unit right?");
+        let mesh = BodyMesh::uniform(read.mesh, axis).map_err(torque_failed)?;
+        let (volume_m3, radius_m) = (mesh.solid().volume, mesh.solid().equal_volume_radius());
+        let inertia_kg_m2 = mesh.spin_moment() * self.density_kg_m3;
+        if !(inertia_kg_m2.is_normal() && inertia_kg_m2 > 0.0) {
+            return Err(CliError::refused(format!(
+                "{}: the moment of inertia about the spin axis is {inertia_kg_m2:e} kg m^2 at {} kg/m^3; it must be finite and \
+                 above 0 (is --unit right?)",
+                file.display(),
+                self.density_kg_m3
+            )));
         }
-        Ok(MeshBody { mesh, volume_m3: solid.volume, inertia_kg_m2: moment * self.density_kg_m3, radius_m })
+        guard::warn(guard::size(radius_m, "is --unit right?"));
+        guard::warn(guard::density(self.density_kg_m3, "--density-kg-m3"));
+        guard::warn(guard::spin_axis(mesh.solid()).map(|tilt| format!("{tilt}; --axes principal turns it there")));
+        Ok(MeshBody { mesh, volume_m3, inertia_kg_m2, radius_m, density_kg_m3: self.density_kg_m3 })
+    }
+}
+
+impl Hapke {
+    fn to_taco(&self) -> taco::Hapke {
+        let usual = taco::Hapke::default();
+        taco::Hapke {
+            single_scattering_albedo: self.hapke_single_scattering_albedo.unwrap_or(usual.single_scattering_albedo),
+            roughness_deg: self.hapke_roughness_deg.unwrap_or(usual.roughness_deg),
+            asymmetry: self.hapke_asymmetry.unwrap_or(usual.asymmetry),
+            multiple_scattering: match self.hapke_multiple_scattering {
+                None => usual.multiple_scattering,
+                Some(MultipleScattering::H2002) => taco::MultipleScattering::H2002,
+                Some(MultipleScattering::Imsa) => taco::MultipleScattering::Imsa,
+            },
+        }
+    }
+
+    /// The first of the flags that was given.
+    fn first_given(&self) -> Option<&'static str> {
+        let given = [
+            (self.hapke_single_scattering_albedo.is_some(), "--hapke-single-scattering-albedo"),
+            (self.hapke_roughness_deg.is_some(), "--hapke-roughness-deg"),
+            (self.hapke_asymmetry.is_some(), "--hapke-asymmetry"),
+            (self.hapke_multiple_scattering.is_some(), "--hapke-multiple-scattering"),
+        ];
+        given.into_iter().find(|(given, _)| *given).map(|(_, flag)| flag)
     }
 }
 

@@ -7,9 +7,10 @@ use nalgebra::Vector3;
 use pkd::Spheres;
 use pkd::mass_properties::mass_properties;
 use serde_json::{Value, json};
-use tiling::{EllipsoidTiling, FitReport, ImplicitSurface, Mesh, TilingError};
+use tiling::checks::VOLUME_RATIOS;
+use tiling::{EllipsoidTiling, FitReport, ImplicitSurface, Mesh, Placement, TilingError};
 
-use super::{CliError, arguments, output};
+use super::{CliError, arguments, guard, output};
 use crate::exchange::{MeshFormat, read_aggregate, write_mesh};
 
 /// Arguments of `yorp tile`.
@@ -40,6 +41,8 @@ struct Fit {
     mesh: Mesh,
     report: FitReport,
     flagged: usize,
+    /// Vertices that were moved off the surface because facets would cross.
+    mended: usize,
     semi_axes_m: [f64; 3],
     mass_kg: f64,
 }
@@ -50,18 +53,39 @@ pub(super) fn run(arguments: &Arguments, as_json: bool) -> Result<(), CliError> 
     let format = MeshFormat::of(&arguments.out)?;
     let spheres = read_aggregate(&arguments.aggregate)?;
     let mass_kg = spheres.total_mass();
+    let radius_m = spheres.radius.iter().map(|r| r.powi(3)).sum::<f64>().cbrt();
+    guard::warn(guard::size(radius_m, "an aggregate is in metres and kilograms"));
     let fit = fit(arguments, &spheres, mass_kg)?;
-    if !fit.report.is_sound() {
-        eprintln!(
-            "warning: {} facets folded, {} slivers, volume {:.3} of the ellipsoid's",
-            fit.report.folded.len(),
-            fit.report.slivers.len(),
-            fit.report.volume_ratio
-        );
-    }
+    guard::warn(oddities(&fit));
+    guard::warn(guard::density(mass_kg / fit.report.volume, "the density of the tiling"));
     write_mesh(&fit.mesh, &arguments.out, format)?;
     let value = as_value(&fit, start.elapsed().as_secs_f64());
     if as_json { output::json(&value) } else { output::text(&as_text(&fit, &arguments.out)) }
+}
+
+/// What is odd about the tiling, though it bounds a body.
+fn oddities(fit: &Fit) -> Option<String> {
+    let counted = |n: usize, one: &str, many: &str| match n {
+        0 => None,
+        1 => Some(format!("1 {one}")),
+        n => Some(format!("{n} {many}")),
+    };
+    let (report, [low, high]) = (&fit.report, VOLUME_RATIOS);
+    let odd: Vec<String> = [
+        counted(report.folded.len(), "facet turned over", "facets turned over"),
+        counted(report.slivers.len(), "sliver", "slivers"),
+        counted(
+            fit.mended,
+            "vertex off the surface, where facets would cross",
+            "vertices off the surface, where facets would cross",
+        ),
+        (!(low..=high).contains(&report.volume_ratio))
+            .then(|| format!("volume {:.3} of the ellipsoid's", report.volume_ratio)),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    (!odd.is_empty()).then(|| format!("the tiling has {}", odd.join(", ")))
 }
 
 /// The equivalent ellipsoid has the axis ratios of the moments of inertia and the volume of the convex hull; the tiling
@@ -80,12 +104,20 @@ fn fit(arguments: &Arguments, spheres: &Spheres, mass_kg: f64) -> Result<Fit, Cl
         let vertices = arguments.facets as usize / 2 + 2;
         let ellipsoid = EllipsoidTiling::turned((axes * scale).into(), vertices, arguments.turn_deg.to_radians())?;
         let surface = ImplicitSurface::new(&x, &y, &z, &spheres.radius, arguments.exponent, arguments.level)?;
-        let tiling = ellipsoid.projected(&surface);
+        let tiling = ellipsoid.projected(&surface)?;
         let report = FitReport::new(&ellipsoid, &tiling.mesh);
         let mesh = tiling.mesh.rotated(&properties.axes).translated(properties.centre.into());
-        Ok(Fit { mesh, report, flagged: tiling.flagged.len(), semi_axes_m: ellipsoid.semi_axes, mass_kg })
+        mesh.check_body()?;
+        let mended = tiling.flagged.iter().filter(|f| f.placement == Placement::Mended).count();
+        Ok(Fit { mesh, report, flagged: tiling.flagged.len(), mended, semi_axes_m: ellipsoid.semi_axes, mass_kg })
     };
-    tile().map_err(CliError::input)
+    tile().map_err(|error| match error {
+        // Spheres of which no legal surface could be made, rather than arguments that make none.
+        TilingError::SelfContact { .. } | TilingError::Degenerate { .. } | TilingError::NoInertia { .. } => {
+            CliError::numerical(error)
+        }
+        other => CliError::input(other),
+    })
 }
 
 fn as_value(fit: &Fit, seconds: f64) -> Value {
@@ -93,6 +125,7 @@ fn as_value(fit: &Fit, seconds: f64) -> Value {
         "facets": fit.mesh.facets.len(),
         "vertices": fit.mesh.vertices.len(),
         "vertices_flagged": fit.flagged,
+        "vertices_mended": fit.mended,
         "facets_folded": fit.report.folded.len(),
         "slivers": fit.report.slivers.len(),
         "volume_m3": fit.report.volume,

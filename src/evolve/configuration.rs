@@ -10,16 +10,17 @@ use pkd::Spheres;
 use pkd::effective_potential::{effective_potentials, enclosed_mass_fractions};
 use pkd::frame::set_rigid_rotation;
 use pkd::mass_properties::mass_properties;
-use taco::{TorqueInterpolant, TorqueTable};
+use taco::{BodyMesh, Pose, TorqueInterpolant, TorqueTable};
 use tiling::checks::FitReport;
 use tiling::hull::sphere_hull_volume;
 use tiling::implicit::ImplicitSurface;
 use tiling::project::EllipsoidTiling;
-use tiling::{Mesh, project};
+use tiling::{Mesh, Previous, project};
 
 use super::EvolveError;
 use super::block::positions;
 use super::movement::Movement;
+use super::rigid::TorqueErrors;
 use super::spin::TorqueFunction;
 use crate::scene::{Scene, TilingOptions};
 use crate::store::*;
@@ -47,6 +48,12 @@ impl Shape {
     pub fn from_record(scene: &Scene, record: ConfigurationRecord) -> Result<Self, EvolveError> {
         let torque = interpolant(scene, &record.torque)?;
         Ok(Self { record, torque })
+    }
+
+    /// Errors of the torques.
+    pub fn torque_errors(&self) -> TorqueErrors {
+        let torque = &self.record.torque;
+        TorqueErrors { spin: torque.spin_torque_error, obliquity: torque.obliquity_torque_error }
     }
 
     /// Moment of inertia about the spin axis, kg m^2.
@@ -140,7 +147,8 @@ pub fn next_object(
     let centres: Vec<[f64; 3]> = centres.collect();
     let placed = placed(&after.spheres, &centres, &to_original.rotation)?;
     let origin = Origin { number: old.configuration + 1, after_leg: Some(before.leg), t_s: after.t_s };
-    let shape = shape(scene, original, origin, &placed, &after.sphere_ids, Some(previous), ledger)?;
+    let earlier = Earlier::new(scene, original, old, [before, after])?;
+    let shape = shape(scene, original, origin, &placed, &after.sphere_ids, Some(&earlier), ledger)?;
     Ok((shape, movements(before, after, movement)?))
 }
 
@@ -180,20 +188,22 @@ fn shape(
     origin: Origin,
     placed: &Spheres,
     ids: &[u32],
-    previous: Option<&Shape>,
+    earlier: Option<&Earlier>,
     ledger: &mut Ledger,
 ) -> Result<Shape, EvolveError> {
     let properties = mass_properties(placed)?;
     let body_axes = properties.axes.transpose();
     let (fit, hull) = ledger.time(Part::Tiling, || {
         let hull = sphere_hull_volume(&placed.x, &placed.y, &placed.z, &placed.radius)?;
-        Ok::<_, EvolveError>((fit(scene, original, placed, previous)?, hull))
+        Ok::<_, EvolveError>((fit(scene, original, origin, placed, earlier)?, hull))
     })?;
     let report = FitReport::new(&original.ellipsoid, &fit.mesh);
-    let body_mesh = fit.mesh.translated((-properties.centre).into()).rotated(&body_axes);
+    let pose = Pose { centre: properties.centre.into(), axes: rows(&body_axes) };
+    let body = BodyMesh::posed(&fit.mesh, &pose)
+        .map_err(|source| EvolveError::Surface { configuration: origin.number, source })?;
     let table = ledger.time(Part::Torque, || {
         let (surface, orbit) = (scene.surface.to_taco(), scene.orbit.to_taco());
-        taco::torque_table(&body_mesh, &surface, &orbit, &scene.torque.to_taco())
+        taco::torque_table(&body, &surface, &orbit, &scene.torque.to_taco())
     })?;
     let record = ConfigurationRecord {
         configuration: origin.number,
@@ -241,21 +251,55 @@ fn placed(present: &Spheres, centres: &[[f64; 3]], to_original: &Matrix3<f64>) -
     Ok(spheres)
 }
 
+/// The tiling before a movement and the surface that it was fitted to.
+struct Earlier {
+    mesh: Mesh,
+    surface: ImplicitSurface,
+}
+
+impl Earlier {
+    /// Of a configuration; the radii of its spheres are those of the `states` around the movement.
+    fn new(
+        scene: &Scene,
+        original: &Original,
+        record: &ConfigurationRecord,
+        states: [&State; 2],
+    ) -> Result<Self, EvolveError> {
+        let radius_of = |id: &u32| {
+            let of = |state: &State| Some(state.spheres.radius[state.sphere_ids.iter().position(|known| known == id)?]);
+            states.into_iter().find_map(of)
+        };
+        let mut spheres = Spheres::default();
+        for (id, centre) in record.sphere_ids.iter().zip(&record.positions) {
+            if let Some(radius) = radius_of(id) {
+                spheres.push(*centre, [0.0; 3], [0.0; 3], 1.0, radius);
+            }
+        }
+        let mesh = Mesh { vertices: record.vertices.clone(), facets: original.ellipsoid.mesh.facets.clone() };
+        Ok(Self { mesh, surface: surface_of(scene, &spheres)? })
+    }
+}
+
+fn surface_of(scene: &Scene, s: &Spheres) -> Result<ImplicitSurface, EvolveError> {
+    let TilingOptions { exponent, level, .. } = scene.tiling;
+    Ok(ImplicitSurface::new(&s.x, &s.y, &s.z, &s.radius, exponent, level)?)
+}
+
 fn fit(
     scene: &Scene,
     original: &Original,
-    s: &Spheres,
-    previous: Option<&Shape>,
+    origin: Origin,
+    spheres: &Spheres,
+    earlier: Option<&Earlier>,
 ) -> Result<project::Tiling, EvolveError> {
-    let TilingOptions { exponent, level, .. } = scene.tiling;
-    let surface = ImplicitSurface::new(&s.x, &s.y, &s.z, &s.radius, exponent, level)?;
-    Ok(match previous {
+    let surface = surface_of(scene, spheres)?;
+    let tiling = match earlier {
         None => original.ellipsoid.projected(&surface),
-        Some(shape) => {
-            let mesh = Mesh { vertices: shape.record.vertices.clone(), facets: original.ellipsoid.mesh.facets.clone() };
-            original.ellipsoid.retiled(&surface, &mesh)?
+        Some(Earlier { mesh, surface: before }) => {
+            original.ellipsoid.retiled(&surface, Previous { mesh, surface: before })
         }
-    })
+    };
+    tiling.map_err(|source| EvolveError::Surface { configuration: origin.number, source: source.into() })
 }
 
 /// The look-up of a stored table.

@@ -148,9 +148,9 @@ impl Driver<'_> {
         let start = SpinState { t_s: 0.0, omega: state.omega, obliquity: state.obliquity };
         let integrator = Integrator::Rk4 { step_s: self.scene.evolution.rk4_step_yr * YEAR_S };
         let duration_s = RIGID_LIMIT_MYR * MYR_S;
-        let cycle = self
-            .ledger
-            .time(Part::Spin, || rigid_cycle(&shape.torque, shape.inertia(), start, duration_s, integrator))?;
+        let cycle = self.ledger.time(Part::Spin, || {
+            rigid_cycle(&shape.torque, shape.torque_errors(), shape.inertia(), start, duration_s, integrator)
+        })?;
         let sample = |s: &SpinState| RigidRecord { t_s: s.t_s, omega: s.omega, obliquity: s.obliquity };
         let rigid: Vec<_> = cycle.states.iter().map(sample).collect();
         state.stage = Stage::Evolving;

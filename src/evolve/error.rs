@@ -31,6 +31,14 @@ pub enum EvolveError {
     /// The body cannot be tiled.
     #[error("the body cannot be tiled: {0}")]
     Tiling(#[from] tiling::TilingError),
+    /// The tiling of the spheres bounds no body whose torque could be taken.
+    #[error("configuration {configuration}: the surface fitted to the spheres is no surface of a body")]
+    Surface {
+        /// The configuration.
+        configuration: u32,
+        /// What is wrong with the surface.
+        source: taco::TacoError,
+    },
     /// The torques cannot be computed.
     #[error("the torques cannot be computed: {0}")]
     Torque(#[from] taco::TacoError),

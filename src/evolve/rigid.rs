@@ -40,8 +40,20 @@ pub enum RigidEnd {
     InfiniteSpinUp,
     /// Both torques vanish at a finite spin rate.
     Stalled,
-    /// The time ended first; the body would spin down to zero later.
+    /// The time ended first.
     TimeLimit,
+    /// Neither torque exceeds its error at any obliquity: nothing is known to change.
+    NoTorque,
+}
+
+/// Errors of the two torques, N m. A torque that nowhere exceeds its error is taken as none, and one that does not at the
+/// obliquity where it would decide whether the body spins up or down decides nothing.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct TorqueErrors {
+    /// Of `T_omega`.
+    pub spin: f64,
+    /// Of `T_epsilon`.
+    pub obliquity: f64,
 }
 
 /// The evolution of a rigid body.
@@ -58,10 +70,14 @@ pub struct RigidCycle {
     pub min_omega: f64,
     /// Spin rate of the end state, rad/s: zero, infinite, or the last one.
     pub end_omega: f64,
-    /// Obliquity of the end state, rad: the one towards which the axis tends.
+    /// Obliquity of the last state, rad; for [`RigidEnd::SpunDown`] when the spin vanishes.
     pub end_obliquity: f64,
-    /// Rate of change of the spin rate at that obliquity, rad/s^2.
+    /// Rate of change of the spin rate at the last state, rad/s^2.
     pub end_omega_rate: f64,
+    /// Where the axis tends from the last state, in however long a time; `None` for [`RigidEnd::NoTorque`].
+    pub attractor: Option<Attractor>,
+    /// Whether `T_omega` and `T_epsilon` exceed their errors somewhere; what does not is taken as none.
+    pub above_error: [bool; 2],
     /// Time to complete the cycle (`t_YC`), s since the initial state: when the spin vanishes, or, where it turns before,
     /// when it is smallest. `None` unless the body spins down.
     pub cycle_time_s: Option<f64>,
@@ -73,7 +89,24 @@ pub struct RigidCycle {
     pub obliquity_error: f64,
 }
 
+/// An obliquity at which `T_epsilon` vanishes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Attractor {
+    /// The obliquity, rad.
+    pub obliquity: f64,
+    /// Rate of change of the spin rate there, rad/s^2; 0 below the error of the torque.
+    pub omega_rate: f64,
+}
+
 impl RigidCycle {
+    /// Obliquity at which the body ends, rad: where the axis tends, unless the time ended first.
+    pub fn final_obliquity(&self) -> f64 {
+        match (self.end, self.attractor) {
+            (RigidEnd::SpunDown | RigidEnd::InfiniteSpinUp | RigidEnd::Stalled, Some(attractor)) => attractor.obliquity,
+            _ => self.end_obliquity,
+        }
+    }
+
     /// When the spin rate first rises above `omega` (rad/s), s, linear between the states; `None` if it does not.
     pub fn first_above(&self, omega: f64) -> Option<f64> {
         if self.states.first().is_some_and(|s| s.omega > omega) {
@@ -86,17 +119,26 @@ impl RigidCycle {
     }
 }
 
-/// Follows a rigid body with the principal moment of inertia `inertia` (kg m^2) from `start` for at most `duration_s`.
+/// Follows a rigid body with the principal moment of inertia `inertia` (kg m^2) from `start` for at most `duration_s`, under
+/// a torque that is known to within `errors`.
 ///
 /// # Errors
 /// As [`integrate_leg`](super::spin::integrate_leg).
 pub fn rigid_cycle<T: TorqueFunction>(
     torque: &T,
+    errors: TorqueErrors,
     inertia: f64,
     start: SpinState,
     duration_s: f64,
     integrator: Integrator,
 ) -> Result<RigidCycle, SpinError> {
+    let scale = TorqueScale::of(torque, start.omega);
+    // Said this way round, a torque that is no number goes on and is reported where it is met.
+    let above_error = [!(scale.spin < errors.spin), !(scale.obliquity < errors.obliquity)];
+    let torque = &move |obliquity: f64, omega: f64| {
+        let (spin, turn) = torque.at(obliquity, omega);
+        (if above_error[0] { spin } else { 0.0 }, if above_error[1] { turn } else { 0.0 })
+    };
     let limits = LegLimits {
         integrator,
         spin_change: LEG_SPIN_CHANGE,
@@ -121,14 +163,15 @@ pub fn rigid_cycle<T: TorqueFunction>(
     };
 
     let omegas = || track.states.iter().map(|s| s.omega);
-    let (end_obliquity, spin_torque) = attractor(torque, &state);
     let mut cycle = RigidCycle {
         end: RigidEnd::TimeLimit,
         max_omega: omegas().fold(0.0, f64::max),
         min_omega: omegas().fold(f64::INFINITY, f64::min),
         end_omega: state.omega,
-        end_obliquity,
-        end_omega_rate: spin_torque / inertia,
+        end_obliquity: state.obliquity,
+        end_omega_rate: torque(state.obliquity, state.omega).0 / inertia,
+        attractor: Some(attractor(torque, errors, inertia, &state)),
+        above_error,
         cycle_time_s: None,
         steps,
         omega_error,
@@ -136,17 +179,22 @@ pub fn rigid_cycle<T: TorqueFunction>(
         states: track.states,
     };
     match reason {
+        _ if above_error == [false; 2] => {
+            cycle.end = RigidEnd::NoTorque;
+            cycle.attractor = None;
+            cycle.states.push(SpinState { t_s: start.t_s + duration_s, ..start });
+        }
         StopReason::CycleEnd => {
             let stop = standstill(torque, inertia, &state)?;
             cycle.end = RigidEnd::SpunDown;
             cycle.cycle_time_s = Some(state.t_s - start.t_s + stop.duration_s);
-            (cycle.end_omega, cycle.min_omega) = (stop.omega, stop.omega);
+            (cycle.end_omega, cycle.min_omega, cycle.end_obliquity) = (stop.omega, stop.omega, stop.obliquity);
+            cycle.end_omega_rate = torque(stop.obliquity, stop.omega).0 / inertia;
             let last = SpinState { t_s: state.t_s, omega: stop.omega, obliquity: stop.obliquity };
-            let (obliquity, spin_torque) = attractor(torque, &last);
-            (cycle.end_obliquity, cycle.end_omega_rate) = (obliquity, spin_torque / inertia);
+            cycle.attractor = Some(attractor(torque, errors, inertia, &last));
         }
         StopReason::EndState => cycle.end = RigidEnd::Stalled,
-        _ if spin_torque > 0.0 => {
+        _ if cycle.attractor.is_some_and(|a| a.omega_rate > 0.0) => {
             cycle.end = RigidEnd::InfiniteSpinUp;
             (cycle.end_omega, cycle.max_omega) = (f64::INFINITY, f64::INFINITY);
         }
@@ -190,9 +238,9 @@ impl Track {
     }
 }
 
-/// Obliquity towards which the axis turns, rad, and `T_omega` there, N m: the next zero of `T_epsilon` on its way. The
-/// sign of that torque decides between spinning down in finite time and spinning up for ever.
-fn attractor<T: TorqueFunction>(torque: &T, state: &SpinState) -> (f64, f64) {
+/// Where the axis turns to: the next zero of `T_epsilon` on its way. The sign of `T_omega` there decides between spinning down
+/// in finite time and spinning up for ever.
+fn attractor<T: TorqueFunction>(torque: &T, errors: TorqueErrors, inertia: f64, state: &SpinState) -> Attractor {
     let at = |obliquity: f64| torque.at(obliquity, state.omega);
     let (_, pull) = at(state.obliquity);
     let negligible = 1e-12 * TorqueScale::of(torque, state.omega).obliquity;
@@ -214,7 +262,9 @@ fn attractor<T: TorqueFunction>(torque: &T, state: &SpinState) -> (f64, f64) {
             here = next;
         }
     }
-    (here, at(here).0)
+    let (spin_torque, _) = at(here);
+    let is_known = spin_torque.abs() > errors.spin;
+    Attractor { obliquity: here, omega_rate: if is_known { spin_torque / inertia } else { 0.0 } }
 }
 
 #[cfg(test)]
@@ -234,6 +284,17 @@ mod tests {
         SpinState { t_s: 0.0, omega: TAU / (period_h * 3600.0), obliquity: obliquity_deg.to_radians() }
     }
 
+    /// The cycle under a torque without error.
+    fn known(
+        torque: &impl TorqueFunction,
+        inertia: f64,
+        start: SpinState,
+        duration_s: f64,
+        integrator: Integrator,
+    ) -> Result<RigidCycle, SpinError> {
+        rigid_cycle(torque, TorqueErrors::default(), inertia, start, duration_s, integrator)
+    }
+
     /// Torque without thermal inertia: T_omega = A C (cos 2 eps + q), T_epsilon = B C sin 2 eps.
     fn double_angle(a: f64, b: f64, q: f64) -> impl Fn(f64, f64) -> (f64, f64) {
         move |e, _| (a * INERTIA * ((2.0 * e).cos() + q), b * INERTIA * (2.0 * e).sin())
@@ -244,11 +305,11 @@ mod tests {
         let (a, b, q) = (1e-18, 0.8e-18, 0.0);
         let s = start(6.0, 5.0);
         let times = [rk4(1000.0), rk4(250.0), ADAPTIVE].map(|integrator| {
-            let cycle = rigid_cycle(&double_angle(a, b, q), INERTIA, s, 300.0 * MYR_S, integrator).unwrap();
+            let cycle = known(&double_angle(a, b, q), INERTIA, s, 300.0 * MYR_S, integrator).unwrap();
             assert_eq!(cycle.end, RigidEnd::SpunDown);
             assert_eq!((cycle.end_omega, cycle.min_omega), (0.0, 0.0));
-            assert!((cycle.end_obliquity - PI / 2.0).abs() < 1e-9);
-            assert!((cycle.end_omega_rate / -a - 1.0).abs() < 1e-9);
+            assert!((cycle.final_obliquity() - PI / 2.0).abs() < 1e-9);
+            assert!((cycle.attractor.unwrap().omega_rate / -a - 1.0).abs() < 1e-9);
             // omega = omega0 (sin 2 eps / sin 2 eps0)^(k/2): the maximum lies at 45 degrees.
             let peak = s.omega * (1.0 / (2.0 * s.obliquity).sin()).powf(a / b / 2.0);
             assert!((cycle.max_omega / peak - 1.0).abs() < 1e-7, "{:e}", cycle.max_omega / peak - 1.0);
@@ -265,7 +326,7 @@ mod tests {
     fn linear_spin_down_takes_the_time_of_its_closed_form() {
         for integrator in [rk4(1000.0), ADAPTIVE] {
             let torque = |_: f64, _: f64| (-1e-18 * INERTIA, 0.0);
-            let cycle = rigid_cycle(&torque, INERTIA, start(6.0, 30.0), 30.0 * MYR_S, integrator).unwrap();
+            let cycle = known(&torque, INERTIA, start(6.0, 30.0), 30.0 * MYR_S, integrator).unwrap();
             let exact = TAU / (6.0 * 3600.0) / 1e-18;
             assert!((cycle.cycle_time_s.unwrap() / exact - 1.0).abs() < 1e-9);
             assert_eq!(cycle.max_omega, cycle.states[0].omega);
@@ -277,11 +338,12 @@ mod tests {
         // q = 1.5: T_omega > 0 at the stable 90 degrees.
         let torque = double_angle(1e-18, 0.8e-18, 1.5);
         for integrator in [rk4(1000.0), ADAPTIVE] {
-            let cycle = rigid_cycle(&torque, INERTIA, start(6.0, 5.0), 30.0 * MYR_S, integrator).unwrap();
+            let cycle = known(&torque, INERTIA, start(6.0, 5.0), 30.0 * MYR_S, integrator).unwrap();
             assert_eq!((cycle.end, cycle.cycle_time_s), (RigidEnd::InfiniteSpinUp, None));
             assert!(cycle.end_omega.is_infinite() && cycle.max_omega.is_infinite());
-            assert!((cycle.end_obliquity - PI / 2.0).abs() < 1e-9);
-            assert!((cycle.end_omega_rate / 0.5e-18 - 1.0).abs() < 1e-9);
+            assert!((cycle.final_obliquity() - PI / 2.0).abs() < 1e-9);
+            assert!((cycle.attractor.unwrap().omega_rate / 0.5e-18 - 1.0).abs() < 1e-9);
+            assert_eq!(cycle.end_obliquity, cycle.states.last().unwrap().obliquity);
             assert_eq!(cycle.min_omega, cycle.states[0].omega);
             // Half-way in spin between two states that the integrator passed: its time lies between theirs.
             let (k, middle) =
@@ -295,20 +357,54 @@ mod tests {
     fn a_time_limit_before_the_end_is_said_to_be_one() {
         let torque = double_angle(1e-18, 0.8e-18, 0.0);
         for integrator in [rk4(1000.0), ADAPTIVE] {
-            let cycle = rigid_cycle(&torque, INERTIA, start(6.0, 5.0), MYR_S, integrator).unwrap();
+            let cycle = known(&torque, INERTIA, start(6.0, 5.0), MYR_S, integrator).unwrap();
             assert_eq!((cycle.end, cycle.cycle_time_s), (RigidEnd::TimeLimit, None));
             assert_eq!((cycle.states.len(), cycle.states.last().unwrap().t_s), (401, MYR_S));
+            // The last state, not where the axis tends.
+            let last = cycle.states.last().unwrap();
+            assert_eq!((cycle.end_omega, cycle.end_obliquity), (last.omega, last.obliquity));
+            assert!(cycle.end_obliquity < 0.2 && cycle.final_obliquity() == cycle.end_obliquity);
+            assert!((cycle.attractor.unwrap().obliquity - PI / 2.0).abs() < 1e-9);
         }
+    }
+
+    #[test]
+    fn torques_below_their_errors_decide_nothing() {
+        let (a, b) = (1e-18, 0.8e-18);
+        let torque = double_angle(a, b, 1.5);
+        let cycle = |spin: f64, obliquity: f64| {
+            let errors = TorqueErrors { spin: spin * a * INERTIA, obliquity: obliquity * b * INERTIA };
+            rigid_cycle(&torque, errors, INERTIA, start(6.0, 30.0), 30.0 * MYR_S, ADAPTIVE).unwrap()
+        };
+        assert_eq!(cycle(0.01, 0.01).end, RigidEnd::InfiniteSpinUp);
+        let none = cycle(3.0, 1.1);
+        assert_eq!((none.end, none.attractor, none.above_error), (RigidEnd::NoTorque, None, [false; 2]));
+        assert_eq!(
+            (none.max_omega, none.min_omega, none.end_omega),
+            (none.states[0].omega, none.states[0].omega, none.states[0].omega)
+        );
+        assert!((none.end_obliquity.to_degrees() - 30.0).abs() < 1e-12 && none.states.len() == 2);
+        // At the attractor T_omega is 0.5 a C: too little to be sure of its sign.
+        let unsure = cycle(0.6, 0.01);
+        assert_eq!((unsure.end, unsure.attractor.unwrap().omega_rate), (RigidEnd::TimeLimit, 0.0));
+        // Only one of them is known: the obliquity stays, the spin goes on.
+        let spin = cycle(0.01, 1.1);
+        assert_eq!(spin.above_error, [true, false]);
+        let turned = spin.states.iter().map(|s| (s.obliquity - spin.states[0].obliquity).abs());
+        assert!(turned.fold(0.0, f64::max) < 1e-12 && spin.end == RigidEnd::InfiniteSpinUp);
+        let turn = cycle(3.0, 0.01);
+        assert!((turn.end_omega / turn.states[0].omega - 1.0).abs() < 1e-8);
+        assert!(turn.end_obliquity > turn.states[0].obliquity + 0.1);
     }
 
     #[test]
     fn torques_that_vanish_together_stall_the_body() {
         let torque = |e: f64, _: f64| (1e-18 * INERTIA * (2.0 * e).sin(), 1e-17 * INERTIA * (2.0 * e).sin());
         for integrator in [rk4(1000.0), ADAPTIVE] {
-            let cycle = rigid_cycle(&torque, INERTIA, start(6.0, 60.0), 60.0 * MYR_S, integrator).unwrap();
+            let cycle = known(&torque, INERTIA, start(6.0, 60.0), 60.0 * MYR_S, integrator).unwrap();
             assert_eq!(cycle.end, RigidEnd::Stalled);
-            assert!((cycle.end_obliquity - PI / 2.0).abs() < 1e-6);
-            let none = rigid_cycle(&|_: f64, _: f64| (0.0, 0.0), INERTIA, start(6.0, 60.0), MYR_S, integrator).unwrap();
+            assert!((cycle.final_obliquity() - PI / 2.0).abs() < 1e-6);
+            let none = known(&|_: f64, _: f64| (0.0, 0.0), INERTIA, start(6.0, 60.0), MYR_S, integrator).unwrap();
             assert_eq!((none.end, none.states.len()), (RigidEnd::Stalled, 1));
         }
     }
@@ -317,9 +413,9 @@ mod tests {
     fn axis_pulled_to_a_pole_ends_there() {
         let torque = |e: f64, _: f64| (-1e-18 * INERTIA, -1e-17 * INERTIA * e.sin());
         for integrator in [rk4(1000.0), ADAPTIVE] {
-            let cycle = rigid_cycle(&torque, INERTIA, start(6.0, 60.0), 60.0 * MYR_S, integrator).unwrap();
+            let cycle = known(&torque, INERTIA, start(6.0, 60.0), 60.0 * MYR_S, integrator).unwrap();
             assert_eq!(cycle.end, RigidEnd::SpunDown);
-            assert!(cycle.end_obliquity < 1e-9);
+            assert!(cycle.final_obliquity() < 1e-9 && cycle.end_obliquity < 0.1);
         }
     }
 }

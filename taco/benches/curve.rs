@@ -3,7 +3,10 @@
 //! `cargo bench -p yorp-taco`; real shapes are taken from `../shared/shapes` next to the repository where they exist.
 
 use divan::Bencher;
-use taco::{Hapke, HorizonMap, Orbit, Pose, RecoilTable, Sampling, ShapeCache, SpinRates, Surface, torque_table};
+use taco::{
+    BodyMesh, Hapke, HorizonMap, Orbit, Pose, RecoilTable, Sampling, ShapeCache, SpinAxis, SpinRates, Surface,
+    torque_table,
+};
 use tiling::Mesh;
 
 fn main() {
@@ -22,6 +25,10 @@ fn bumpy(vertices: usize) -> Mesh {
         *v = [500.0 * r * x, 400.0 * r * y, 350.0 * r * z];
     }
     centred(mesh)
+}
+
+fn body(mesh: Mesh) -> BodyMesh {
+    BodyMesh::uniform(mesh, SpinAxis::Z).expect("a sound mesh")
 }
 
 fn centred(mesh: Mesh) -> Mesh {
@@ -55,8 +62,8 @@ fn horizons(bencher: Bencher, facets: usize) {
 
 #[divan::bench(args = TILINGS, sample_count = 9, sample_size = 1)]
 fn curve(bencher: Bencher, facets: usize) {
-    let mesh = bumpy(facets / 2 + 2);
-    bencher.bench(|| torque_table(&mesh, &Surface::default(), &Orbit::default(), &Sampling::default()));
+    let body = body(bumpy(facets / 2 + 2));
+    bencher.bench(|| torque_table(&body, &Surface::default(), &Orbit::default(), &Sampling::default()));
 }
 
 /// Thermal inertia 200 at one spin rate (6 h).
@@ -66,7 +73,10 @@ fn heat_of_shape(bencher: Bencher, name: &str) {
     let spin_rates = SpinRates::ListRadS(vec![std::f64::consts::TAU / 21_600.0]);
     let sampling = Sampling { spin_rates, ..Sampling::default() };
     match shape(name) {
-        Some(mesh) => bencher.bench(|| torque_table(&mesh, &surface, &Orbit::default(), &sampling)),
+        Some(mesh) => {
+            let body = body(mesh);
+            bencher.bench(|| torque_table(&body, &surface, &Orbit::default(), &sampling));
+        }
         None => println!("skipped: no shape {name}"),
     }
 }
@@ -83,7 +93,8 @@ fn horizons_of_shape(bencher: Bencher, name: &str) {
 fn curve_of_shape(bencher: Bencher, name: &str) {
     match shape(name) {
         Some(mesh) => {
-            bencher.bench(|| torque_table(&mesh, &Surface::default(), &Orbit::default(), &Sampling::default()))
+            let body = body(mesh);
+            bencher.bench(|| torque_table(&body, &Surface::default(), &Orbit::default(), &Sampling::default()));
         }
         None => println!("skipped: no shape {name}"),
     }
@@ -125,7 +136,7 @@ fn retiled(bencher: Bencher, (facets, turned): (usize, bool)) {
 /// Four and nine points a facet.
 #[divan::bench(args = [1, 4, 9], sample_count = 3, sample_size = 1)]
 fn facet_samples(bencher: Bencher, facet_samples: usize) {
-    let mesh = bumpy(394);
+    let body = body(bumpy(394));
     let sampling = Sampling { facet_samples, ..Sampling::default() };
-    bencher.bench(|| torque_table(&mesh, &Surface::default(), &Orbit::default(), &sampling));
+    bencher.bench(|| torque_table(&body, &Surface::default(), &Orbit::default(), &sampling));
 }

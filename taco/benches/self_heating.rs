@@ -4,7 +4,7 @@
 //! where they exist.
 
 use divan::Bencher;
-use taco::{Hapke, Orbit, RecoilTable, Sampling, SelfHeating, Surface, torque_table};
+use taco::{BodyMesh, Hapke, Orbit, RecoilTable, Sampling, SelfHeating, SpinAxis, Surface, torque_table};
 use tiling::Mesh;
 
 fn main() {
@@ -14,12 +14,10 @@ fn main() {
     divan::main();
 }
 
-/// A real shape with its centre of mass at the origin, or `None` where the files are not there.
+/// A real shape, or `None` where the files are not there.
 fn shape(name: &str) -> Option<Mesh> {
     let path = format!("{}/../../shared/shapes/{name}.obj", env!("CARGO_MANIFEST_DIR"));
-    let mesh = tiling::obj::read(&std::fs::read(path).ok()?).ok()?;
-    let centre = mesh.solid().centre_of_mass;
-    Some(mesh.translated(centre.map(|c| -c)))
+    tiling::obj::read(&std::fs::read(path).ok()?).ok()
 }
 
 /// A Fibonacci sphere with many craters, so that nearly all of its facets see others.
@@ -34,13 +32,13 @@ fn cratered(vertices: usize) -> Mesh {
         let r = 500.0 * (1.0 - craters.iter().map(deep).sum::<f64>());
         *v = v.map(|c| c * r);
     }
-    let centre = mesh.solid().centre_of_mass;
-    mesh.translated(centre.map(|c| -c))
+    mesh
 }
 
-fn curve(bencher: Bencher, mesh: &Mesh, self_heating: SelfHeating) {
+fn curve(bencher: Bencher, mesh: Mesh, self_heating: SelfHeating) {
+    let body = BodyMesh::uniform(mesh, SpinAxis::Z).expect("a sound mesh");
     let surface = Surface { self_heating, ..Surface::default() };
-    bencher.bench(|| torque_table(mesh, &surface, &Orbit::default(), &Sampling::default()));
+    bencher.bench(|| torque_table(&body, &surface, &Orbit::default(), &Sampling::default()));
 }
 
 const MODES: [SelfHeating; 3] = [SelfHeating::None, SelfHeating::Single, SelfHeating::Multiple];
@@ -49,14 +47,14 @@ const SHAPES: [&str; 6] =
 
 #[divan::bench(args = MODES, consts = [784, 3184], sample_count = 5, sample_size = 1)]
 fn cratered_curve<const FACETS: usize>(bencher: Bencher, mode: &SelfHeating) {
-    curve(bencher, &cratered(FACETS / 2 + 2), *mode);
+    curve(bencher, cratered(FACETS / 2 + 2), *mode);
 }
 
 #[divan::bench(args = SHAPES, consts = [false, true], sample_count = 3, sample_size = 1)]
 fn shape_curve<const MULTIPLE: bool>(bencher: Bencher, name: &str) {
     let mode = if MULTIPLE { SelfHeating::Multiple } else { SelfHeating::None };
     match shape(name) {
-        Some(mesh) => curve(bencher, &mesh, mode),
+        Some(mesh) => curve(bencher, mesh, mode),
         None => println!("skipped: no shape {name}"),
     }
 }

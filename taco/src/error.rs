@@ -49,6 +49,15 @@ pub enum TacoError {
         /// Number of vertices in the mesh.
         vertices: usize,
     },
+    /// A mesh that bounds no body.
+    #[error("no mesh of a body: {0}")]
+    Body(#[from] tiling::TilingError),
+    /// A centre of mass that cannot be that of the mesh.
+    #[error("the centre of mass {centre:?} m lies outside the mesh")]
+    CentreOutside {
+        /// The centre of mass in the frame of the mesh, m.
+        centre: [f64; 3],
+    },
     /// A torque that is NaN or infinite, for example because the mesh is so large that areas overflow.
     #[error("the torque at obliquity {obliquity_deg} deg is not finite")]
     NotFinite {

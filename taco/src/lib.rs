@@ -1,20 +1,21 @@
 //! Radiation recoil torques (YORP) of a triangle mesh.
 //!
-//! [`torque_table`] turns a mesh, a [`Surface`] and an [`Orbit`] into the torques that change its spin rate and its
+//! [`torque_table`] turns a [`BodyMesh`], a [`Surface`] and an [`Orbit`] into the torques that change its spin rate and its
 //! obliquity, for all obliquities at once: the spin-averaged torque of a body that stores no heat depends on the Sun
 //! through its declination alone, so facets are visited once per declination and every obliquity is an integral of
 //! the result over the orbit.
 //!
-//! The mesh has its centre of mass at the origin and spins about +z. SI units and `f64` throughout. Nothing here
+//! A [`BodyMesh`] is closed, has its centre of mass at the origin and spins about +z. SI units and `f64` throughout. Nothing here
 //! knows of spheres. Sums run in a fixed order: the bytes of a result do not depend on the number of threads.
 //!
 //! ```
-//! use taco::{Interpolation, Orbit, Sampling, Surface, torque_table};
+//! use taco::{BodyMesh, Interpolation, Orbit, Sampling, SpinAxis, Surface, torque_table};
 //! # let mesh = tiling::Mesh {
 //! #     vertices: vec![[9.0, 0.0, 0.0], [-3.0, 5.0, 0.0], [-3.0, -5.0, 1.0], [-3.0, 0.0, 4.0]],
 //! #     facets: vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
 //! # };
-//! let table = torque_table(&mesh, &Surface::default(), &Orbit::default(), &Sampling::default())?;
+//! let body = BodyMesh::uniform(mesh, SpinAxis::Largest)?;
+//! let table = torque_table(&body, &Surface::default(), &Orbit::default(), &Sampling::default())?;
 //! let (spin_torque, obliquity_torque) = table.interpolant(Interpolation::Cubic)?.at(0.4, 3e-4);
 //! assert!(spin_torque.abs() > table.error.spin_torque_n_m && obliquity_torque.is_finite());
 //! # Ok::<(), taco::TacoError>(())
@@ -24,6 +25,7 @@
 mod arc;
 mod azimuth;
 mod body;
+mod body_mesh;
 pub mod constants;
 mod day;
 mod declination;
@@ -52,6 +54,7 @@ mod test_bodies;
 mod torque;
 mod tree;
 
+pub use body_mesh::{BodyMesh, SpinAxis};
 pub use error::TacoError;
 pub use heat::{SeasonalHeat, seasonal_heat};
 pub use horizon::{Horizon, HorizonMap, Overhang};
@@ -63,4 +66,4 @@ pub use sampling::{Obliquities, Sampling, SpinRates};
 pub use shape_cache::ShapeCache;
 pub use sky::{SkyView, sky_view};
 pub use surface::{Hapke, MultipleScattering, Reflectance, SelfHeating, Surface, Wall};
-pub use torque::{ErrorPart, TorqueError, TorqueTable, torque_table};
+pub use torque::{ErrorPart, TorqueError, TorqueTable, torque_table, torque_table_of_facets};

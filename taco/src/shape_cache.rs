@@ -33,7 +33,8 @@ pub struct ShapeCache {
 }
 
 impl ShapeCache {
-    /// For a closed mesh in any frame, with what a torque table needs.
+    /// For a closed mesh in any frame, with what a torque table needs. Whether it bounds a body is not checked
+    /// ([`tiling::Mesh::check_body`] does).
     ///
     /// # Errors
     /// [`TacoError`] if a parameter is out of range or the mesh is empty or broken.

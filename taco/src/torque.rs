@@ -5,6 +5,7 @@
 //! (Rubincam & Paddack 2010, Icarus 209, 863; Nesvorny & Vokrouhlicky 2008, A&A 480, 1).
 
 use crate::body::{Body, Memory, Shading};
+use crate::body_mesh::BodyMesh;
 use crate::declination::Declinations;
 use crate::error::TacoError;
 use crate::exchange::Scattering;
@@ -14,7 +15,7 @@ use crate::interpolant::{Interpolation, TorqueInterpolant};
 use crate::orbit::Orbit;
 use crate::pose::Pose;
 use crate::recoil::{LambertRecoil, RecoilKernel, RecoilTable};
-use crate::sampling::Sampling;
+use crate::sampling::{Obliquities, Sampling};
 use crate::season::{Curve, Season, TransverseSeason};
 use crate::surface::{Reflectance, Surface};
 use std::f64::consts::PI;
@@ -58,8 +59,9 @@ pub struct TorqueError {
 pub struct ErrorPart {
     /// What is sampled: `declination_nodes` (against every other node), `azimuth_bins` (against every other bin, view
     /// factors included; absent from convex bodies), `facet_sampling` (each of the facet's samples against three points;
-    /// likewise), `obliquity_interpolation` (cubic, half-way between the nodes; absent unless the table runs from 0 to
-    /// 180 deg); and if heat is stored `rotation_cells` (against half as many) and `spin_rate_interpolation` (an eighth of
+    /// likewise), `obliquity_interpolation` (cubic, half-way between the nodes; absent if the obliquities were chosen one by
+    /// one, [`Obliquities::ListDeg`]: such a table is read at its nodes), `round_off` (of the sum over the facets: what is left
+    /// of the torque of a symmetric body); and if heat is stored `rotation_cells` (against half as many) and `spin_rate_interpolation` (an eighth of
     /// the error at every other spin rate when interpolated from the others; absent from tables of fewer than five).
     /// The second, third and fifth are estimated from a sample of the facets.
     pub name: String,
@@ -79,11 +81,25 @@ impl TorqueTable {
     }
 }
 
-/// Torques of a closed mesh whose origin is its centre of mass and which spins about +z.
+/// Torques of a body.
+///
+/// # Errors
+/// [`TacoError`] if a parameter is out of range or a torque overflows.
+pub fn torque_table(
+    body: &BodyMesh,
+    surface: &Surface,
+    orbit: &Orbit,
+    sampling: &Sampling,
+) -> Result<TorqueTable, TacoError> {
+    torque_table_of_facets(body.lit(), surface, orbit, sampling)
+}
+
+/// Torques about the origin, spin about +z, of facets that need not bound a body: of one facet, for example, to compare with
+/// a closed form. Of anything else than parts of bodies the numbers mean nothing; bodies go to [`torque_table`].
 ///
 /// # Errors
 /// [`TacoError`] if a parameter is out of range, the mesh is empty or broken, or a torque overflows.
-pub fn torque_table(
+pub fn torque_table_of_facets(
     mesh: &Mesh,
     surface: &Surface,
     orbit: &Orbit,
@@ -219,7 +235,9 @@ impl Task<'_> {
         if let Some(off) = every_other_spin_rate(&table) {
             parts.push(part("spin_rate_interpolation", off));
         }
-        if let Ok(interpolant) = table.interpolant(Interpolation::Cubic) {
+        parts.push(part("round_off", [round_off(facets) * pressure_pa; 2]));
+        let is_curve = matches!(self.sampling.obliquities, Obliquities::StepDeg(_));
+        if let (true, Ok(interpolant)) = (is_curve, table.interpolant(Interpolation::Cubic)) {
             let between = between(obliquities_deg);
             let off = responses.iter().zip(&table.omega).map(|(response, omega)| {
                 let (spin, obliquity) = between.iter().map(|o| interpolant.at(o.to_radians(), *omega)).unzip();
@@ -242,6 +260,13 @@ impl Task<'_> {
             Some(k) => Err(TacoError::NotFinite { obliquity_deg: obliquities_deg[k] }),
         }
     }
+}
+
+/// Round-off of the sum of all facets' torques, over the pressure, m^3: the sum is what is left when its terms cancel, each of
+/// which is right to some ten units in the last place.
+fn round_off(facets: &[Facet]) -> f64 {
+    let arm = |f: &Facet| f.area * f.point.iter().map(|c| c * c).sum::<f64>().sqrt();
+    16.0 * f64::EPSILON * facets.iter().map(arm).sum::<f64>()
 }
 
 /// The larger of each of two errors.

@@ -5,7 +5,7 @@ mod common;
 use common::{at_obliquities, bumpy, lambert, off, table};
 use nalgebra::Vector3;
 use std::f64::consts::{PI, TAU};
-use taco::{HorizonMap, Orbit, Reflectance, Sampling, Surface, torque_table};
+use taco::{HorizonMap, Orbit, Reflectance, Sampling, Surface, torque_table_of_facets};
 use tiling::Mesh;
 
 /// A facet of unit area with this centroid and normal.
@@ -33,7 +33,7 @@ fn fine(degrees: &[f64]) -> Sampling {
 #[test]
 fn single_facet_matches_the_closed_forms() {
     let mesh = facet([0.3, 0.5, 0.2], [0.6, 0.0, 0.8]);
-    let table = torque_table(&mesh, &black(), &Orbit::default(), &fine(&[0.0, 30.0, 60.0, 90.0])).unwrap();
+    let table = torque_table_of_facets(&mesh, &black(), &Orbit::default(), &fine(&[0.0, 30.0, 60.0, 90.0])).unwrap();
     let factor = -2.0 / 3.0 * Orbit::default().mean_pressure_pa();
     let expected = [(-0.05729578, 0.0), (-0.06090554, 0.02260795), (-0.07761221, 0.01756994), (-0.08620913, 0.0)];
     for (k, (spin, tilt)) in expected.into_iter().enumerate() {
@@ -44,7 +44,8 @@ fn single_facet_matches_the_closed_forms() {
 
 /// Mean insolation `<Q>` of a facet, from its spin torque; the centroid is to make `(r x n)_z = 1`.
 fn mean_insolation(normal: [f64; 3], centroid: [f64; 3], degrees: f64) -> f64 {
-    let table = torque_table(&facet(centroid, normal), &black(), &Orbit::default(), &fine(&[degrees])).unwrap();
+    let table =
+        torque_table_of_facets(&facet(centroid, normal), &black(), &Orbit::default(), &fine(&[degrees])).unwrap();
     table.spin_torque_n_m[0][0] / (-2.0 / 3.0 * Orbit::default().mean_pressure_pa())
 }
 
@@ -129,10 +130,10 @@ fn brute_force(mesh: &Mesh, obliquity: f64, longitudes: usize, hours: usize) -> 
 fn body_with_shadows_matches_brute_force() {
     let mesh = bumpy(60);
     let degrees = [0.0, 20.0, 60.0, 130.0];
-    let table = torque_table(&mesh, &lambert(0.2), &Orbit::default(), &at_obliquities(&degrees)).unwrap();
+    let table = torque_table_of_facets(&mesh, &lambert(0.2), &Orbit::default(), &at_obliquities(&degrees)).unwrap();
     assert!(table.shaded_facets > 10);
     let unshaded = Surface { shadows: false, ..lambert(0.2) };
-    let unshaded = torque_table(&mesh, &unshaded, &Orbit::default(), &at_obliquities(&degrees)).unwrap();
+    let unshaded = torque_table_of_facets(&mesh, &unshaded, &Orbit::default(), &at_obliquities(&degrees)).unwrap();
     let scale = common::peak(&table.spin_torque_n_m[0]);
     for (k, degree) in degrees.iter().enumerate() {
         let (spin, tilt) = brute_force(&mesh, degree.to_radians(), 36, 180);
@@ -163,7 +164,7 @@ fn body_below_an_overhang_matches_brute_force() {
     let degrees = [25.0, 75.0];
     // Twelve facets of the slab are as large as the body, so that single edges of shadows matter.
     let sampling = Sampling { azimuth_bins: 480, ..at_obliquities(&degrees) };
-    let table = torque_table(&mesh, &lambert(0.2), &Orbit::default(), &sampling).unwrap();
+    let table = torque_table_of_facets(&mesh, &lambert(0.2), &Orbit::default(), &sampling).unwrap();
     let scale = common::peak(&table.spin_torque_n_m[0]);
     for (k, degree) in degrees.iter().enumerate() {
         let (spin, tilt) = brute_force(&mesh, degree.to_radians(), 180, 60);

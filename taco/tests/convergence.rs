@@ -5,7 +5,7 @@
 mod common;
 
 use common::{centred, distance, off, peak};
-use taco::{Orbit, Sampling, Surface, TorqueTable, torque_table};
+use taco::{Orbit, Sampling, Surface, TorqueTable, torque_table_of_facets};
 use tiling::Mesh;
 
 fn shape(name: &str) -> Option<Mesh> {
@@ -18,7 +18,7 @@ fn shape(name: &str) -> Option<Mesh> {
 }
 
 fn table(mesh: &Mesh, sampling: &Sampling) -> TorqueTable {
-    torque_table(mesh, &Surface::default(), &Orbit::default(), sampling).unwrap()
+    torque_table_of_facets(mesh, &Surface::default(), &Orbit::default(), sampling).unwrap()
 }
 
 /// Halving every step, from 240 azimuths on, changes the two torques by these fractions of their peaks. (From the default

@@ -4,7 +4,9 @@ mod common;
 
 use common::{bumpy, peak, rings};
 use proptest::prelude::*;
-use taco::{Hapke, MultipleScattering, Orbit, Reflectance, Sampling, Surface, TacoError, TorqueTable, torque_table};
+use taco::{
+    Hapke, MultipleScattering, Orbit, Reflectance, Sampling, Surface, TacoError, TorqueTable, torque_table_of_facets,
+};
 use tiling::Mesh;
 
 fn quick() -> Sampling {
@@ -12,7 +14,7 @@ fn quick() -> Sampling {
 }
 
 fn run(mesh: &Mesh, surface: &Surface) -> TorqueTable {
-    torque_table(mesh, surface, &Orbit::default(), &quick()).expect("a finite torque")
+    torque_table_of_facets(mesh, surface, &Orbit::default(), &quick()).expect("a finite torque")
 }
 
 fn assert_finite(table: &TorqueTable) {
@@ -65,7 +67,7 @@ fn size_does_not_matter_until_it_overflows() {
         let ratio = table.spin_torque_n_m[0][5] / (scale * scale * scale) / unit.spin_torque_n_m[0][5];
         assert!((ratio - 1.0).abs() < 1e-6, "{scale}: {ratio}");
     }
-    let huge = torque_table(&mesh.scaled(1e150), &Surface::default(), &Orbit::default(), &quick());
+    let huge = torque_table_of_facets(&mesh.scaled(1e150), &Surface::default(), &Orbit::default(), &quick());
     assert!(matches!(huge, Err(TacoError::NotFinite { .. })), "{huge:?}");
 }
 
@@ -73,7 +75,7 @@ fn size_does_not_matter_until_it_overflows() {
 fn bad_input_is_refused_with_its_name() {
     let mesh = bumpy(60);
     let error = |mesh: &Mesh, surface: &Surface, orbit: &Orbit, sampling: &Sampling| {
-        torque_table(mesh, surface, orbit, sampling).expect_err("refused").to_string()
+        torque_table_of_facets(mesh, surface, orbit, sampling).expect_err("refused").to_string()
     };
     let (surface, orbit, sampling) = (Surface::default(), Orbit::default(), quick());
     let bright = Surface { reflectance: Reflectance::Lambert { bond_albedo: 2.0 }, ..Surface::default() };
@@ -95,11 +97,61 @@ fn bad_input_is_refused_with_its_name() {
 fn error_parts_are_those_that_apply() {
     let names = |table: &TorqueTable| table.error.parts.iter().map(|p| p.name.clone()).collect::<Vec<_>>();
     let shaded = run(&bumpy(60), &Surface::default());
-    assert_eq!(names(&shaded), ["declination_nodes", "azimuth_bins", "facet_sampling", "obliquity_interpolation"]);
+    assert_eq!(
+        names(&shaded),
+        ["declination_nodes", "azimuth_bins", "facet_sampling", "round_off", "obliquity_interpolation"]
+    );
     let sum: f64 = shaded.error.parts.iter().map(|p| p.spin_torque_n_m).sum();
     assert_eq!(shaded.error.spin_torque_n_m, sum);
     let convex = run(&rings(8, 16, [1.0, 0.8, 0.6], |_, _| 1.0), &Surface::default());
-    assert_eq!(names(&convex), ["declination_nodes", "obliquity_interpolation"]);
+    assert_eq!(names(&convex), ["declination_nodes", "round_off", "obliquity_interpolation"]);
+}
+
+/// Chosen obliquities are answered at the nodes of their own table.
+#[test]
+fn chosen_obliquities_have_no_error_of_an_interpolation() {
+    for degrees in [&[45.0][..], &[0.0, 90.0, 180.0]] {
+        let sampling = Sampling { declination_nodes: 9, ..common::at_obliquities(degrees) };
+        let table =
+            torque_table_of_facets(&bumpy(60), &Surface::default(), &Orbit::default(), &sampling).expect("finite");
+        assert!(table.error.parts.iter().all(|p| p.name != "obliquity_interpolation"), "{:?}", table.error);
+    }
+}
+
+/// Whatever the orientation, the torque of a body that has none by symmetry is below its error.
+#[test]
+fn the_torque_of_symmetric_bodies_is_below_its_error() {
+    let box_of = |a: f64, b: f64, c: f64| {
+        let half = [a, b, c];
+        let corner = |i: usize| std::array::from_fn(|k| if i >> k & 1 == 0 { -half[k] } else { half[k] });
+        let vertices = (0..8).map(corner).collect();
+        let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let facets = quads.iter().flat_map(|q| [[q[0], q[1], q[2]], [q[0], q[2], q[3]]]).collect();
+        Mesh { vertices, facets }
+    };
+    let octahedron = Mesh {
+        vertices: [
+            [1.0, 0.0, 0.0],
+            [-1.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [0.0, -1.0, 0.0],
+            [0.0, 0.0, 1.0],
+            [0.0, 0.0, -1.0],
+        ]
+        .to_vec(),
+        facets: vec![[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]],
+    };
+    for mesh in [box_of(1.0, 1.0, 1.0), box_of(3.0, 2.0, 1.0), octahedron, rings(12, 24, [1.0, 0.8, 0.6], |_, _| 1.0)] {
+        for scale in [1.0, 500.0, 1e5] {
+            let table = run(&mesh.scaled(scale), &Surface::default());
+            let (spin, tilt) = (peak(&table.spin_torque_n_m[0]), peak(&table.obliquity_torque_n_m[0]));
+            let error = &table.error;
+            assert!(
+                spin <= error.spin_torque_n_m && tilt <= error.obliquity_torque_n_m,
+                "{scale}: {spin:e} {tilt:e} {error:?}"
+            );
+        }
+    }
 }
 
 /// The estimates are to be of the size of the errors: against ten times finer sampling.
@@ -108,7 +160,7 @@ fn sampling_errors_are_within_their_estimates() {
     let mesh = bumpy(394);
     let at = |azimuth_bins, declination_nodes| {
         let sampling = Sampling { azimuth_bins, declination_nodes, ..Sampling::default() };
-        torque_table(&mesh, &Surface::default(), &Orbit::default(), &sampling).unwrap()
+        torque_table_of_facets(&mesh, &Surface::default(), &Orbit::default(), &sampling).unwrap()
     };
     let fine = at(720, 361);
     for (bins, nodes) in [(24, 13), (72, 19), (120, 37)] {
@@ -134,7 +186,7 @@ proptest! {
     ) {
         let vertices = coordinates.iter().map(|v| v.map(f64::from)).collect();
         let mesh = Mesh { vertices, facets: indices };
-        if let Ok(table) = torque_table(&mesh, &Surface::default(), &Orbit::default(), &quick()) {
+        if let Ok(table) = torque_table_of_facets(&mesh, &Surface::default(), &Orbit::default(), &quick()) {
             assert_finite(&table);
         }
     }

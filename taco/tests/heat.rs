@@ -5,7 +5,7 @@ mod common;
 use common::{at_obliquities, bumpy, centred, lambert, peak, rings};
 use std::f64::consts::{PI, TAU};
 use taco::constants::{SPEED_OF_LIGHT_M_S, STEFAN_BOLTZMANN_W_M2_K4};
-use taco::{AU_PER_MYR, Interpolation, Orbit, Sampling, SpinRates, Surface, TorqueTable, Wall, torque_table};
+use taco::{AU_PER_MYR, Interpolation, Orbit, Sampling, SpinRates, Surface, TorqueTable, Wall, torque_table_of_facets};
 use tiling::Mesh;
 
 const SIX_HOURS: f64 = TAU / 21_600.0;
@@ -19,7 +19,7 @@ fn at_rates(rates: &[f64]) -> Sampling {
 }
 
 fn at(mesh: &Mesh, surface: &Surface, rates: &[f64]) -> TorqueTable {
-    torque_table(mesh, surface, &Orbit::default(), &at_rates(rates)).unwrap()
+    torque_table_of_facets(mesh, surface, &Orbit::default(), &at_rates(rates)).unwrap()
 }
 
 #[test]
@@ -184,8 +184,8 @@ fn brute_force_average_in_the_space_frame_agrees_and_is_odd_about_90_deg() {
     };
     let surface = Surface { thermal_inertia: inertia, emissivity, ..lambert(0.0) };
     let sampling = Sampling { spin_rates: SpinRates::ListRadS(vec![omega]), ..at_obliquities(&[35.0, 145.0]) };
-    let table = torque_table(&mesh, &surface, &Orbit::default(), &sampling).unwrap();
-    let cold = torque_table(&mesh, &lambert(0.0), &Orbit::default(), &sampling).unwrap();
+    let table = torque_table_of_facets(&mesh, &surface, &Orbit::default(), &sampling).unwrap();
+    let cold = torque_table_of_facets(&mesh, &lambert(0.0), &Orbit::default(), &sampling).unwrap();
     let (spin, tilt) = (&table.spin_torque_n_m[0], &table.obliquity_torque_n_m[0]);
     let torques = [brute_force(35f64.to_radians()), brute_force(145f64.to_radians())];
     println!("{torques:?}\n{spin:?} {tilt:?} {:?}", cold.obliquity_torque_n_m[0]);
@@ -211,7 +211,7 @@ fn drift(radius: f64, density: f64, orbit: &Orbit, inertia: f64) -> Vec<f64> {
     let surface = Surface { thermal_inertia: inertia, ..lambert(0.0672) };
     let sampling =
         Sampling { spin_rates: SpinRates::ListRadS(vec![SIX_HOURS]), ..at_obliquities(&[0.0, 60.0, 90.0, 180.0]) };
-    let table = torque_table(&mesh, &surface, orbit, &sampling).unwrap();
+    let table = torque_table_of_facets(&mesh, &surface, orbit, &sampling).unwrap();
     let mass = 4.0 / 3.0 * PI * radius.powi(3) * density;
     table.transverse_force_n[0].iter().map(|f| orbit.semimajor_axis_drift_m_s(*f, mass) * AU_PER_MYR).collect()
 }
@@ -269,13 +269,13 @@ fn eccentric_orbits_average_over_the_flux() {
     let (a, e) = (1.2, 0.4);
     let orbit = Orbit { semimajor_axis_au: a, eccentricity: e };
     let sampling = Sampling { declination_nodes: 13, ..at_rates(&[SIX_HOURS]) };
-    let table = torque_table(&mesh, &surface, &orbit, &sampling).unwrap();
+    let table = torque_table_of_facets(&mesh, &surface, &orbit, &sampling).unwrap();
     let n = 24;
     let mut sums = [[0.0; 37]; 2];
     for k in 0..n {
         let over = 1.0 + e * (TAU * (k as f64 + 0.5) / n as f64).cos();
         let here = Orbit { semimajor_axis_au: a * (1.0 - e * e) / over, eccentricity: 0.0 };
-        let circular = torque_table(&mesh, &surface, &here, &sampling).unwrap();
+        let circular = torque_table_of_facets(&mesh, &surface, &here, &sampling).unwrap();
         let weight = orbit.mean_flux_w_m2() / here.mean_flux_w_m2() / n as f64;
         let [tilt, force] = &mut sums;
         let add = |sum: &mut [f64; 37], weight: f64, row: &[f64]| {
@@ -297,11 +297,11 @@ fn default_spin_rates_interpolate_within_half_a_per_cent() {
     for inertia in [50.0, 200.0, 2000.0] {
         let surface = dusty(inertia);
         let coarse = Sampling { declination_nodes: 13, ..Sampling::default() };
-        let table = torque_table(&mesh, &surface, &Orbit::default(), &coarse).unwrap();
+        let table = torque_table_of_facets(&mesh, &surface, &Orbit::default(), &coarse).unwrap();
         let curve = table.interpolant(Interpolation::Cubic).unwrap();
         let between: Vec<f64> = table.omega.windows(2).map(|w| (0.5 * (w[0].sqrt() + w[1].sqrt())).powi(2)).collect();
         let sampling = Sampling { spin_rates: SpinRates::ListRadS(between.clone()), ..coarse };
-        let exact = torque_table(&mesh, &surface, &Orbit::default(), &sampling).unwrap();
+        let exact = torque_table_of_facets(&mesh, &surface, &Orbit::default(), &sampling).unwrap();
         let mut worst = 0.0f64;
         for (w, omega) in between.iter().enumerate() {
             for (o, obliquity) in table.obliquity.iter().enumerate() {

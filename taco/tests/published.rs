@@ -3,7 +3,7 @@
 mod common;
 
 use common::{at_obliquities, centred, lambert};
-use taco::{Orbit, Surface, torque_table};
+use taco::{Orbit, Surface, torque_table_of_facets};
 use tiling::Mesh;
 
 /// A shape of the collection that lies beside the repository, or `None` where it is missing.
@@ -26,7 +26,7 @@ fn paper_kanamaru_2021_ryugu_spin_and_obliquity_torque() {
     let orbit = Orbit { semimajor_axis_au: 1.1896, eccentricity: 0.1902 };
     let to_deg_d2 = 86_400f64.powi(2).to_degrees() / 4.0395e16;
     let components = |surface: &Surface| {
-        let table = torque_table(&mesh, surface, &orbit, &at_obliquities(&[171.64])).unwrap();
+        let table = torque_table_of_facets(&mesh, surface, &orbit, &at_obliquities(&[171.64])).unwrap();
         (table.spin_torque_n_m[0][0] * to_deg_d2, table.obliquity_torque_n_m[0][0] * to_deg_d2)
     };
     let (spin, tilt) = components(&lambert(0.1));
@@ -43,7 +43,7 @@ fn paper_kanamaru_2021_ryugu_spin_and_obliquity_torque() {
 fn paper_durech_2008_itokawa_spin_torque() {
     let Some(mesh) = shape("itokawa_12000") else { return };
     let orbit = Orbit { semimajor_axis_au: 1.324, eccentricity: 0.280 };
-    let table = torque_table(&mesh, &Surface::default(), &orbit, &at_obliquities(&[178.5])).unwrap();
+    let table = torque_table_of_facets(&mesh, &Surface::default(), &orbit, &at_obliquities(&[178.5])).unwrap();
     let inertia = 1900.0 * mesh.solid().inertia[(2, 2)];
     let rad_d2 = table.spin_torque_n_m[0][0] * 86_400f64.powi(2) / inertia;
     println!("{rad_d2:e} rad/d^2");

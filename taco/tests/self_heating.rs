@@ -5,7 +5,7 @@ mod common;
 use common::{bumpy, centred, distance, lambert, off, peak, rings, table};
 use nalgebra::Rotation3;
 use std::f64::consts::TAU;
-use taco::{Orbit, Reflectance, Sampling, SelfHeating, SpinRates, Surface, TorqueTable, torque_table};
+use taco::{Orbit, Reflectance, Sampling, SelfHeating, SpinRates, Surface, TorqueTable, torque_table_of_facets};
 use tiling::Mesh;
 
 fn heated(self_heating: SelfHeating) -> Surface {
@@ -113,7 +113,8 @@ fn azimuth_error_covers_the_view_factors() {
     let mesh = bowl(400);
     let at = |azimuth_bins| {
         let sampling = Sampling { azimuth_bins, ..Sampling::default() };
-        torque_table(&mesh, &heated(SelfHeating::Multiple), &Orbit::default(), &sampling).expect("a valid mesh")
+        torque_table_of_facets(&mesh, &heated(SelfHeating::Multiple), &Orbit::default(), &sampling)
+            .expect("a valid mesh")
     };
     let (coarse, fine) = (at(64), at(512));
     let estimate = coarse.error.parts.iter().find(|part| part.name == "azimuth_bins").expect("shaded").spin_torque_n_m;
@@ -129,7 +130,7 @@ fn dusty(mesh: &Mesh, thermal_inertia: f64, self_heating: SelfHeating, rates: &[
     let surface = Surface { thermal_inertia, ..heated(self_heating) };
     let sampling =
         Sampling { spin_rates: SpinRates::ListRadS(rates.to_vec()), declination_nodes: 13, ..Sampling::default() };
-    torque_table(mesh, &surface, &Orbit::default(), &sampling).expect("a valid mesh")
+    torque_table_of_facets(mesh, &surface, &Orbit::default(), &sampling).expect("a valid mesh")
 }
 
 #[test]
@@ -144,7 +145,8 @@ fn convex_bodies_with_heat_do_not_notice() {
 fn conducted_heat_leaves_the_spin_torque_and_the_limit_of_no_inertia() {
     let mesh = bowl(200);
     let sampling = Sampling { declination_nodes: 13, ..Sampling::default() };
-    let cold = torque_table(&mesh, &heated(SelfHeating::Multiple), &Orbit::default(), &sampling).expect("a valid mesh");
+    let cold = torque_table_of_facets(&mesh, &heated(SelfHeating::Multiple), &Orbit::default(), &sampling)
+        .expect("a valid mesh");
     let warm = dusty(&mesh, 200.0, SelfHeating::Multiple, &[0.0, 0.5 * SIX_HOURS, SIX_HOURS]);
     let alone = dusty(&mesh, 200.0, SelfHeating::None, &[SIX_HOURS]);
     for spin in &warm.spin_torque_n_m {

@@ -5,7 +5,7 @@ mod common;
 use common::{at_obliquities, bumpy, lambert, off, table};
 use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
-use taco::{Orbit, Pose, Sampling, ShapeCache, Surface, torque_table};
+use taco::{Orbit, Pose, Sampling, ShapeCache, Surface, torque_table_of_facets};
 use tiling::Mesh;
 
 fn cache(mesh: &Mesh, surface: &Surface, sampling: &Sampling) -> ShapeCache {
@@ -83,7 +83,7 @@ fn pose_is_the_same_as_a_mesh_turned_to_its_axes() {
             let turned = mesh.translated(centre.map(|c| -c)).rotated(turn.matrix());
             let sampling = Sampling { azimuth_bins: 480, ..Sampling::default() };
             let posed = cache(&mesh, &surface, &sampling).torque_table(&pose).unwrap();
-            let off = off(&torque_table(&turned, &surface, &Orbit::default(), &sampling).unwrap(), &posed);
+            let off = off(&torque_table_of_facets(&turned, &surface, &Orbit::default(), &sampling).unwrap(), &posed);
             println!("{off:e}");
             assert!(off < 5e-4, "{off}");
         }
@@ -106,7 +106,7 @@ fn another_mesh_altogether_is_computed_afresh_and_a_broken_one_is_refused() {
     kept.torque_table(&Pose::default()).unwrap();
     let other = bumpy(150);
     assert_eq!(kept.retile(other.clone()).unwrap(), other.facets.len());
-    let fresh = torque_table(&other, &Surface::default(), &Orbit::default(), &sampling).unwrap();
+    let fresh = torque_table_of_facets(&other, &Surface::default(), &Orbit::default(), &sampling).unwrap();
     assert_eq!(kept.torque_table(&Pose::default()).unwrap(), fresh);
     assert!(kept.retile(Mesh::default()).is_err());
     assert_eq!(kept.torque_table(&Pose::default()).unwrap(), fresh);

@@ -4,7 +4,7 @@ mod common;
 
 use common::{at_obliquities, bumpy, centred, lambert, off, peak, rings, table};
 use nalgebra::Rotation3;
-use taco::{Orbit, Sampling, Surface, TorqueTable, torque_table};
+use taco::{Orbit, Sampling, Surface, TorqueTable, torque_table_of_facets};
 use tiling::Mesh;
 
 /// Torque in units of pressure times radius cubed.
@@ -105,7 +105,7 @@ fn doubling_the_size_multiplies_the_torque_by_eight() {
 #[test]
 fn torque_scales_with_the_mean_flux() {
     let mesh = bumpy(100);
-    let at = |orbit| torque_table(&mesh, &Surface::default(), &orbit, &Sampling::default()).unwrap();
+    let at = |orbit| torque_table_of_facets(&mesh, &Surface::default(), &orbit, &Sampling::default()).unwrap();
     let near = at(Orbit::default());
     let far = at(Orbit { semimajor_axis_au: 2.0, eccentricity: 0.6 });
     // 1 / (4 * 0.8)
@@ -124,7 +124,8 @@ fn a_list_of_obliquities_gives_the_values_of_the_grid() {
     let mesh = bumpy(200);
     let grid = table(&mesh, &Surface::default());
     let list =
-        torque_table(&mesh, &Surface::default(), &Orbit::default(), &at_obliquities(&[35.0, 90.0, 145.0])).unwrap();
+        torque_table_of_facets(&mesh, &Surface::default(), &Orbit::default(), &at_obliquities(&[35.0, 90.0, 145.0]))
+            .unwrap();
     for (k, n) in [7, 18, 29].into_iter().enumerate() {
         assert_eq!(list.spin_torque_n_m[0][k], grid.spin_torque_n_m[0][n]);
         assert_eq!(list.obliquity_torque_n_m[0][k], grid.obliquity_torque_n_m[0][n]);

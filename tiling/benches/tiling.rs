@@ -6,7 +6,7 @@ mod support;
 use divan::Bencher;
 use std::hint::black_box;
 use std::sync::OnceLock;
-use tiling::{EllipsoidTiling, ImplicitSurface, Inside, sphere_hull_volume};
+use tiling::{EllipsoidTiling, ImplicitSurface, Inside, Previous, sphere_hull_volume};
 
 const COUNT: usize = 1000;
 /// Semi-axes of the packing's hull, radii.
@@ -34,17 +34,19 @@ fn unit_sphere(bencher: Bencher, facets: usize) {
 #[divan::bench(args = [784, 3184])]
 fn tile(bencher: Bencher, facets: usize) {
     let surface = surface(centres());
-    bencher.bench(|| EllipsoidTiling::new(AXES, facets / 2 + 2).map(|e| e.projected(black_box(&surface))));
+    bencher.bench(|| EllipsoidTiling::new(AXES, facets / 2 + 2).and_then(|e| e.projected(black_box(&surface))));
 }
 
 #[divan::bench(args = [784, 3184])]
 fn retile_three_moved(bencher: Bencher, facets: usize) {
     let mut moved = centres().clone();
     let ellipsoid = EllipsoidTiling::new(AXES, facets / 2 + 2).expect("the axes are positive");
-    let first = ellipsoid.projected(&surface(&moved));
+    let before = surface(&moved);
+    let first = ellipsoid.projected(&before).expect("a packed ellipsoid can be tiled");
     moved.iter_mut().for_each(|column| (0..3).for_each(|j| column[j] *= 1.05));
     let surface = surface(&moved);
-    bencher.bench(|| ellipsoid.retiled(black_box(&surface), &first.mesh));
+    let previous = Previous { mesh: &first.mesh, surface: &before };
+    bencher.bench(|| ellipsoid.retiled(black_box(&surface), previous));
 }
 
 #[divan::bench]

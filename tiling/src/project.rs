@@ -7,7 +7,8 @@
 //! steps that cannot jump over one ([`ImplicitSurface::sample`]), but never shorter than a tenth of the smallest
 //! radius, and refined to a millionth of it. The way in ends at the ellipsoid's smallest radius of curvature, `c^2/a`,
 //! beyond which normals cross and the mapping folds; a vertex without a root until there is looked for on the straight
-//! line to the centre of mass and flagged.
+//! line to the centre of mass and flagged. Where facets cross for all that, the tiling is mended (the module `mend`): every
+//! tiling passes [`Mesh::check_body`].
 
 use crate::fibonacci::unit_sphere;
 use crate::implicit::ImplicitSurface;
@@ -37,7 +38,7 @@ pub struct EllipsoidTiling {
 pub struct Tiling {
     /// The mesh; same facets and vertex numbers as the ellipsoid's. Its volume is the denominator of the "tiling" density.
     pub mesh: Mesh,
-    /// Vertices, ascending, that are not on their normal.
+    /// Vertices, ascending, that are not on the outermost root of their normal.
     pub flagged: Vec<FlaggedVertex>,
     /// Vertices that are where the previous tiling had them; 0 for a first tiling.
     pub kept: usize,
@@ -45,7 +46,7 @@ pub struct Tiling {
     pub moved: usize,
 }
 
-/// A vertex without a root on its normal.
+/// A vertex without a root on its normal, or moved off it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FlaggedVertex {
     /// The vertex.
@@ -63,6 +64,8 @@ pub enum Placement {
     Radial,
     /// Where that line comes nearest to the surface, which it does not meet.
     Nearest,
+    /// On the normal, but off the surface: facets would cross otherwise.
+    Mended,
 }
 
 /// A vertex's position (m) and how it was found.
@@ -105,12 +108,16 @@ impl EllipsoidTiling {
         shortest * shortest / longest
     }
 
-    /// Fits the tiling to a surface.
-    pub fn projected(&self, surface: &ImplicitSurface) -> Tiling {
-        let placed = self.placed(surface);
+    /// Fits the tiling to a surface. The mesh bounds a body: it passes [`Mesh::check_body`].
+    ///
+    /// # Errors
+    /// The fault of a tiling that cannot be mended.
+    pub fn projected(&self, surface: &ImplicitSurface) -> Result<Tiling, TilingError> {
+        let mut placed = self.placed(surface);
+        self.mend(surface, &mut placed, &vec![true; self.normals.len()])?;
         let vertices = placed.iter().map(|p| p.0).collect();
         let mesh = Mesh { vertices, facets: self.mesh.facets.clone() };
-        Tiling { moved: placed.len(), kept: 0, flagged: flagged(&placed), mesh }
+        Ok(Tiling { moved: placed.len(), kept: 0, flagged: flagged(&placed), mesh })
     }
 
     /// All vertices on the surface, in order whatever the number of threads.
@@ -118,7 +125,7 @@ impl EllipsoidTiling {
         (0..self.normals.len()).into_par_iter().map(|vertex| self.placed_vertex(vertex, surface)).collect()
     }
 
-    fn placed_vertex(&self, vertex: usize, surface: &ImplicitSurface) -> Placed {
+    pub(crate) fn placed_vertex(&self, vertex: usize, surface: &ImplicitSurface) -> Placed {
         let start = Vector3::from(self.mesh.vertices[vertex]);
         let normal = Ray { start, direction: Vector3::from(self.normals[vertex]), surface };
         if let Ok(s) = normal.outermost_root(-self.smallest_curvature_radius()) {
@@ -138,10 +145,10 @@ pub(crate) fn flagged(placed: &[Placed]) -> Vec<FlaggedVertex> {
 }
 
 /// A line through the body.
-struct Ray<'a> {
-    start: Vector3<f64>,
-    direction: Vector3<f64>,
-    surface: &'a ImplicitSurface,
+pub(crate) struct Ray<'a> {
+    pub start: Vector3<f64>,
+    pub direction: Vector3<f64>,
+    pub surface: &'a ImplicitSurface,
 }
 
 impl Ray<'_> {
@@ -150,7 +157,7 @@ impl Ray<'_> {
     }
 
     /// The largest root `s >= end` (m from the start); without one, where on the way `G` was largest.
-    fn outermost_root(&self, end: f64) -> Result<f64, f64> {
+    pub fn outermost_root(&self, end: f64) -> Result<f64, f64> {
         let (smallest, largest) = self.surface.radii();
         let mut s = self.surface.reach(self.direction.into()) - self.direction.dot(&self.start) + 2.0 * largest;
         // Low levels and exponents lift the surface off the spheres. Far away G tends to -G0 < 0.
@@ -244,7 +251,8 @@ mod tests {
     /// R G0^(-1/4), to the stated accuracy of 1e-6 R.
     #[test]
     fn one_sphere_is_tiled_at_its_level_radius() {
-        let fitted = EllipsoidTiling::new([40.0; 3], 394).unwrap().projected(&sphere_surface(&[[0.0, 0.0, 0.0, 50.0]]));
+        let fitted =
+            EllipsoidTiling::new([40.0; 3], 394).unwrap().projected(&sphere_surface(&[[0.0, 0.0, 0.0, 50.0]])).unwrap();
         let radius = 50.0 * 1.25f64.powf(-0.25);
         assert!(fitted.mesh.vertices.iter().all(|v| (Vector3::from(*v).norm() - radius).abs() < 5e-5));
         assert_eq!((fitted.flagged.len(), fitted.kept, fitted.moved), (0, 0, 394));
@@ -262,17 +270,21 @@ mod tests {
         assert!(inside.outermost_root(8.5).is_ok());
     }
 
-    /// A wide ring around nothing: no root below the poles, hence the vertices there fall to the centre line.
+    /// A wide ring around nothing: no root below the poles. The vertices there fall to the centre line, both sheets into one
+    /// plane; mended, the hole is closed by two sheets apart.
     #[test]
-    fn vertices_above_a_void_are_flagged_and_stay_finite() {
+    fn vertices_above_a_void_are_flagged_and_the_sheets_stay_apart() {
         let ring: Vec<[f64; 4]> = (0..40)
             .map(|i| f64::from(i) * std::f64::consts::PI / 20.0)
             .map(|a| [6.0 * a.cos(), 6.0 * a.sin(), 0.0, 0.5])
             .collect();
-        let fitted = EllipsoidTiling::new([6.0, 6.0, 3.0], 394).unwrap().projected(&sphere_surface(&ring));
-        assert!(!fitted.flagged.is_empty());
-        assert!(fitted.flagged.iter().any(|f| f.placement == Placement::Nearest));
+        let ellipsoid = EllipsoidTiling::new([6.0, 6.0, 3.0], 394).unwrap();
+        let placed = ellipsoid.placed(&sphere_surface(&ring));
+        assert!(flagged(&placed).iter().any(|f| f.placement == Placement::Nearest));
+        assert!(placed.iter().flat_map(|p| p.0).all(|c| c.is_finite()));
+        let fitted = ellipsoid.projected(&sphere_surface(&ring)).unwrap();
+        assert!(fitted.mesh.check_body().is_ok());
+        assert!(fitted.flagged.iter().any(|f| f.placement == Placement::Mended));
         assert!(fitted.flagged.windows(2).all(|pair| pair[0].vertex < pair[1].vertex));
-        assert!(fitted.mesh.vertices.iter().flatten().all(|c| c.is_finite()));
     }
 }

@@ -2,7 +2,7 @@
 #![allow(dead_code)]
 
 use std::f64::consts::{PI, TAU};
-use taco::{Obliquities, Orbit, Reflectance, Sampling, Surface, TorqueTable, torque_table};
+use taco::{Obliquities, Orbit, Reflectance, Sampling, Surface, TorqueTable, torque_table_of_facets};
 use tiling::Mesh;
 
 /// Body of longitude-latitude rings: `radius(longitude, latitude)` along each direction, then stretched. Symmetric about
@@ -69,7 +69,7 @@ pub fn centred(mesh: Mesh) -> Mesh {
 
 /// The 37-obliquity table at 1 au with default sampling.
 pub fn table(mesh: &Mesh, surface: &Surface) -> TorqueTable {
-    torque_table(mesh, surface, &Orbit::default(), &Sampling::default()).expect("a valid mesh")
+    torque_table_of_facets(mesh, surface, &Orbit::default(), &Sampling::default()).expect("a valid mesh")
 }
 
 /// Lambert scattering, no sky blockage.
