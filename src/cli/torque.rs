@@ -245,18 +245,17 @@ fn as_text(arguments: &Arguments, body: &MeshBody, curve: &[Row], table: &Torque
     let mut heads = vec![
         ("spin torque", "N m"),
         ("obliquity torque", "N m"),
-        ("d spin/dt", "deg/day^2"),
-        ("d spin/dt", "rev/day/Myr"),
-        ("d obliquity/dt", "deg/Myr"),
+        ("spin acceleration", "deg/day^2"),
+        ("spin change", "rev/day/Myr"),
+        ("obliquity change", "deg/Myr"),
     ];
     if curve.iter().any(|row| row.yarkovsky.is_some()) {
-        heads.extend([("Yarkovsky force", "N"), ("d a/dt", "au/Myr"), ("d a/dt", "m/yr")]);
+        heads.extend([("Yarkovsky force", "N"), ("Yarkovsky drift", "au/Myr"), ("drift in metres", "m/yr")]);
     }
     let line = |first: &str, rest: Vec<String>| {
-        rest.iter().fold(format!("{first:>10}"), |line, field| line + &format!("{field:>18}")) + "\n"
+        rest.iter().fold(format!("{first:>10}"), |line, field| line + &format!("{field:>19}")) + "\n"
     };
-    // Name and unit in one field, so that no two columns are called the same.
-    text += &line("obliquity,", heads.iter().map(|(name, _)| format!("{name},")).collect());
+    text += &line("obliquity", heads.iter().map(|(name, _)| (*name).to_owned()).collect());
     text += &line("deg", heads.iter().map(|(_, unit)| (*unit).to_owned()).collect());
     for row in curve {
         let mut fields = vec![

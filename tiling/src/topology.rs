@@ -43,13 +43,26 @@ impl Mesh {
         self.check_edges()
     }
 
-    /// Of an open mesh: whether it is open because vertices in the same place are not the same vertex.
-    fn unwelded(&self) -> Option<TilingError> {
-        let mut places = self.vertices.clone();
-        places.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])).then(a[2].total_cmp(&b[2])));
-        let repeated = places.windows(2).filter(|pair| pair[0] == pair[1]).count();
-        // A few may be an accident beside a hole; seams between patches and facets on their own make many.
-        (10 * repeated > places.len()).then_some(TilingError::Unwelded { repeated, vertices: places.len() })
+    /// Of a mesh with so many open edges: whether most of them close as soon as vertices in the same place are one vertex.
+    fn unwelded(&self, open: usize) -> Option<TilingError> {
+        let mut order: Vec<u32> = (0..self.vertices.len() as u32).collect();
+        let at = |v: u32| self.vertices[v as usize];
+        let compare =
+            |a: &[f64; 3], b: &[f64; 3]| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])).then(a[2].total_cmp(&b[2]));
+        order.sort_by(|a, b| compare(&at(*a), &at(*b)).then(a.cmp(b)));
+        let mut first_there: Vec<u32> = (0..self.vertices.len() as u32).collect();
+        let mut repeated = 0;
+        for pair in order.windows(2) {
+            if at(pair[0]) == at(pair[1]) {
+                first_there[pair[1] as usize] = first_there[pair[0] as usize];
+                repeated += 1;
+            }
+        }
+        let facets = self.facets.iter().map(|f| f.map(|v| first_there[v as usize])).collect();
+        let welded = Self { vertices: self.vertices.clone(), facets };
+        let edges = welded.sorted_edges();
+        let still_open = edges.chunk_by(|a, b| a.ends == b.ends).filter(|group| group.len() == 1).count();
+        (2 * still_open < open).then_some(TilingError::Unwelded { repeated, vertices: self.vertices.len() })
     }
 
     /// `V - E + F` of the vertices in use: 2 for a closed body without handles, twice the number of such bodies.
@@ -85,7 +98,9 @@ impl Mesh {
             facets
         };
         if !open.is_empty() {
-            return Err(self.unwelded().unwrap_or(TilingError::Open { edges: open.len(), facets: facets(&open) }));
+            return Err(self
+                .unwelded(open.len())
+                .unwrap_or(TilingError::Open { edges: open.len(), facets: facets(&open) }));
         }
         if !crowded.is_empty() {
             return Err(TilingError::NonManifold { edges: crowded.len(), facets: facets(&crowded) });
@@ -163,6 +178,16 @@ mod tests {
         let fault = soup.check().unwrap_err();
         assert_eq!(fault, TilingError::Unwelded { repeated: 28, vertices: 36 });
         assert!(fault.to_string().contains("weld the vertices"), "{fault}");
+        // One seam, as programs leave it that cut a surface to unroll its picture: few vertices repeat.
+        let mut seam = crate::fibonacci::unit_sphere(400).unwrap();
+        let [a, b, _] = seam.facets[200];
+        let copies = [a, b].map(|v| {
+            seam.vertices.push(seam.vertices[v as usize]);
+            seam.vertices.len() as u32 - 1
+        });
+        seam.facets[200][0] = copies[0];
+        seam.facets[200][1] = copies[1];
+        assert_eq!(seam.check(), Err(TilingError::Unwelded { repeated: 2, vertices: 402 }));
     }
 
     #[test]
