@@ -133,8 +133,8 @@ pub fn rigid_cycle<T: TorqueFunction>(
     integrator: Integrator,
 ) -> Result<RigidCycle, SpinError> {
     let scale = TorqueScale::of(torque, start.omega);
-    // Said this way round, a torque that is no number goes on and is reported where it is met.
-    let above_error = [!(scale.spin < errors.spin), !(scale.obliquity < errors.obliquity)];
+    // A torque of exactly zero without error is known to be zero.
+    let above_error = [scale.spin >= errors.spin, scale.obliquity >= errors.obliquity];
     let torque = &move |obliquity: f64, omega: f64| {
         let (spin, turn) = torque.at(obliquity, omega);
         (if above_error[0] { spin } else { 0.0 }, if above_error[1] { turn } else { 0.0 })

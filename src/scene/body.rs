@@ -39,7 +39,7 @@ pub struct FileBody {
     pub path: String,
 }
 
-/// A closed triangle mesh (OBJ) filled with equal spheres: those whose centre lies inside are kept.
+/// A closed triangle mesh (OBJ, PLY, STL, OFF or plate table) filled with equal spheres: those whose centre lies inside are kept.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CarvedMesh {
@@ -62,6 +62,9 @@ pub enum LengthUnit {
     /// Kilometres.
     #[serde(rename = "km")]
     Kilometre,
+    /// Centimetres.
+    #[serde(rename = "cm")]
+    Centimetre,
 }
 
 impl LengthUnit {
@@ -70,6 +73,7 @@ impl LengthUnit {
         match self {
             Self::Metre => 1.0,
             Self::Kilometre => 1000.0,
+            Self::Centimetre => 0.01,
         }
     }
 }
