@@ -66,10 +66,10 @@ fn wrong_aggregates_and_flags_are_refused() {
 
 #[test]
 fn the_cycle_of_a_rigid_body_ends_and_says_how() {
+    // A figure of revolution: what torque its facets have is below the error.
     let top = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/shapes/top.obj");
     let cycle = json(&ask(&[&"rigid", &top, &"--period-h", &"5", &"--obliquity-deg", &"20", &"--json"]));
-    let end = cycle["end"].as_str().unwrap();
-    assert!(["spun_down", "infinite_spin_up", "stalled", "time_limit"].contains(&end), "{end}");
+    assert_eq!(cycle["end"], "no_torque");
     let spin = cycle["spin_rev_day"].as_array().unwrap();
     assert!((spin[0].as_f64().unwrap() - 4.8).abs() < 1e-12);
     let folder = tempfile::tempdir().unwrap();
@@ -93,11 +93,14 @@ fn both_integrators_follow_the_same_cycle_and_write_it_as_a_table() {
     assert_eq!(adaptive["integrator"], serde_json::json!({"adaptive": {"tolerance": 1e-9}}));
     assert_eq!(fixed["integrator"], serde_json::json!({"rk4": {"step_yr": 10.0}}));
     assert_eq!(adaptive["end"], fixed["end"]);
-    for key in ["end_obliquity_deg", "cycle_time_myr", "end_spin_rate_change_rev_day_myr"] {
+    for key in ["attractor_obliquity_deg", "cycle_time_myr", "attractor_spin_rate_change_rev_day_myr"] {
         let (a, b) = (adaptive[key].as_f64(), fixed[key].as_f64());
         assert_eq!(a.is_some(), b.is_some());
         assert!((a.unwrap_or(1.0) - b.unwrap_or(1.0)).abs() <= 1e-6 * b.unwrap_or(1.0).abs(), "{key}: {a:?} {b:?}");
     }
+    // Near the pole, where the obliquity falls as a power of the spin rate.
+    let end = |cycle: &serde_json::Value| cycle["end_obliquity_deg"].as_f64().unwrap();
+    assert!((end(&adaptive) - end(&fixed)).abs() < 1e-5);
     let text = std::fs::read_to_string(&table).unwrap();
     assert!(
         text.starts_with("t_myr,period_h,spin_rev_day,obliquity_deg,spin_torque_n_m,obliquity_torque_n_m\n0.0,6.0")
