@@ -117,3 +117,50 @@ fn sigterm_is_answered_within_two_seconds_with_the_truth() {
     }
     assert!(count(&out, "leg") == 0 && !folder.path().join("a.csv").exists());
 }
+
+#[test]
+fn a_level_of_vector_instructions_that_is_none_is_refused_and_the_plain_one_is_everywhere() {
+    let ask = |level: &str| yorp().env("YORP_SIMD", level).arg("schema").output().unwrap();
+    let refused = ask("neon9");
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("scalar, sse2, avx2 or avx512"));
+    assert!(ask("scalar").status.success());
+}
+
+/// Hard spheres, direct and tree gravity, at every level that the processor has.
+#[test]
+fn relaxed_bodies_are_the_same_bytes_at_every_level() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = r#"{"body": {"packed_ellipsoid": {"spheres": 60, "radius_m": 50, "grain_density_kg_m3": 2960, "b_over_a": 0.8,
+        "c_over_a": 0.7}}}"#;
+    let scene = file(folder.path(), "scene.json", scene);
+    let body = folder.path().join("body.csv");
+    let built = yorp().args(["build", "--unsettled", "--out"]).arg(&body).arg(&scene).output().unwrap();
+    assert!(built.status.success());
+    for (contact, gravity) in [("hard", "direct"), ("hard", "tree"), ("soft", "direct"), ("soft", "tree")] {
+        let at = |level: &str| {
+            let out = folder.path().join(format!("{level}.csv"));
+            let arguments = [
+                "relax",
+                "--contact",
+                contact,
+                "--gravity",
+                gravity,
+                "--duration-s",
+                "2000",
+                "--period-h",
+                "6",
+                "--out",
+            ];
+            let done = yorp().env("YORP_SIMD", level).args(arguments).arg(&out).arg(&body).output().unwrap();
+            done.status.success().then(|| std::fs::read(out).unwrap())
+        };
+        let plain = at("scalar").unwrap();
+        for level in ["sse2", "avx2", "avx512"] {
+            match at(level) {
+                Some(bytes) => assert!(bytes == plain, "{contact} {gravity} at {level}"),
+                None => println!("skipped: this processor lacks {level}"),
+            }
+        }
+    }
+}

@@ -112,6 +112,7 @@ fn execute(cli: &Cli) -> Result<(), CliError> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
         pool.build_global().map_err(CliError::input)?;
     }
+    pkd::simd::Level::asked().map_err(CliError::input)?;
     match &cli.command {
         Command::Run(arguments) => run::run(arguments, cli.json),
         Command::Rigid(arguments) => rigid::run(arguments, cli.json),

@@ -204,6 +204,7 @@ impl RunReader {
                 host: row.get("host")?,
                 threads: row.get("threads")?,
                 version: row.get("version")?,
+                processor: row.get("processor")?,
                 seconds: row.get("seconds")?,
                 cpu_seconds: row.get("cpu_seconds")?,
             })

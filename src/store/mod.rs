@@ -124,9 +124,9 @@ impl RunStore {
             .or_else(|_| std::fs::read_to_string("/etc/hostname").map(|h| h.trim().to_owned()))
             .unwrap_or_default();
         let threads = rayon::current_num_threads() as i64;
-        let sql = "INSERT INTO meta_session (started_unix_s, host, threads, version, seconds, cpu_seconds) \
-                   VALUES (?1, ?2, ?3, ?4, 0, 0)";
-        let row = (started as i64, host, threads, crate::VERSION);
+        let sql = "INSERT INTO meta_session (started_unix_s, host, threads, version, processor, seconds, cpu_seconds) \
+                   VALUES (?1, ?2, ?3, ?4, ?5, 0, 0)";
+        let row = (started as i64, host, threads, crate::VERSION, processor());
         self.transaction(|tx| tx.execute(sql, row).map(|_| ()))?;
         self.session = self.connection.last_insert_rowid();
         Ok(())
@@ -144,6 +144,14 @@ impl RunStore {
         })();
         result.map_err(|source| StoreError::WriteDatabase { path: self.database.clone(), source })
     }
+}
+
+/// Name of the processor, where the system tells it, and the level of vector instructions in use.
+fn processor() -> String {
+    let told = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let name = told.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": ").map(|(_, name)| name));
+    let level = pkd::simd::Level::asked().unwrap_or_else(|_| pkd::simd::Level::present()).name();
+    format!("{} ({level})", name.unwrap_or(std::env::consts::ARCH))
 }
 
 /// Makes an open database ready for the transactions of a run.

@@ -448,6 +448,8 @@ pub struct SessionRecord {
     pub threads: u32,
     /// Version of the build.
     pub version: String,
+    /// Name of the processor and level of vector instructions.
+    pub processor: String,
     /// Wall time to its last transaction, s.
     pub seconds: f64,
     /// CPU time likewise, s.

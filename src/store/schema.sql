@@ -219,6 +219,7 @@ CREATE TABLE meta_session (
     host           TEXT NOT NULL,
     threads        INTEGER NOT NULL,
     version        TEXT NOT NULL,
+    processor      TEXT NOT NULL,               -- its name, and the level of vector instructions in use
     seconds        REAL NOT NULL,               -- wall time to the last transaction
     cpu_seconds    REAL NOT NULL
 ) STRICT;

@@ -72,6 +72,7 @@ pub fn sessions(run: &RunData) -> Option<Html> {
     let columns = [
         ("started (UTC)", Align::Text),
         ("machine", Align::Text),
+        ("processor", Align::Text),
         ("version", Align::Text),
         ("threads", Align::Number),
         ("seconds", Align::Number),
@@ -81,6 +82,7 @@ pub fn sessions(run: &RunData) -> Option<Html> {
         let cells = vec![
             date(s.started_unix_s),
             s.host.clone(),
+            s.processor.clone(),
             s.version.clone(),
             s.threads.to_string(),
             format!("{:.1}", s.seconds),
