@@ -12,13 +12,13 @@ use pkd::mass_properties::mass_properties;
 
 use super::EvolveError;
 use super::alignment::{TILT_LIMIT, align, give_along_spin};
-use super::block::{Aggregate, coordinates, evolve_block, evolve_stretch};
+use super::block::{Aggregate, Block, coordinates, evolve_block, evolve_stretch};
 use super::engine::Engine;
 use super::fate::shed;
 use super::movement::{Movement, MovementRule, detect_movement};
 use super::observer::{Observer, Progress};
 use super::rigid::sphere_limit;
-use super::shedding::{Breakup, on_one_body};
+use super::shedding::{Breakup, Departures, on_one_body};
 use crate::scene::{BriefQuestion, Question, Scene};
 use crate::store::{AngularMomentumRecord, ConfigurationRecord, DynamicsRecord, Shedding, State};
 
@@ -77,99 +77,130 @@ pub fn check_spin(
     progress: Progress,
 ) -> Result<Check, EvolveError> {
     let mut body = Aggregate::of(state);
-    let mut angular_momentum = AngularMomentumRecord {
+    let angular_momentum = AngularMomentumRecord {
         start: mass_properties(&body.spheres)?.angular_momentum.norm(),
         torque: configuration.moments_kg_m2[2] * (omega - state.omega),
         ..AngularMomentumRecord::default()
     };
     give_along_spin(&mut body.spheres, angular_momentum.torque)?;
-
-    let settling = &scene.settling;
-    let full = f64::from(settling.rotations);
-    let (block_rotations, fraction) = match settling.question {
-        Question::Full => (full, scene.evolution.movement_radius_fraction),
-        Question::Brief(brief) => (brief.block_rotations, rest_radius_fraction(scene, &brief)),
+    let mut check = Check {
+        body,
+        movement: None,
+        dynamics: DynamicsRecord::default(),
+        settled: true,
+        discarded: false,
+        rest: state.rest.clone(),
+        shedding: Shedding::default(),
+        breakup: None,
+        non_axial: 0.0,
+        angular_momentum,
     };
     let mut after_rotation = |_, observer: &mut dyn Observer| observer.progress(progress);
-    let mut dynamics = DynamicsRecord::default();
     let mut parted = false;
-    if let (Question::Brief(brief), Some(rest)) = (settling.question, &state.rest) {
+    if let (Question::Brief(brief), Some(rest)) = (scene.settling.question, &state.rest) {
         let look = look_rotations(&brief, [state.omega, omega], configuration);
-        let stretch = evolve_stretch(engine, &mut body, look, observer, &mut after_rotation)?;
-        (dynamics, parted) = (stretch.dynamics, stretch.parting.was_off());
+        let stretch = evolve_stretch(engine, &mut check.body, look, observer, &mut after_rotation)?;
+        (check.dynamics, parted) = (stretch.dynamics, stretch.parting.was_off());
+        let fraction = rest_radius_fraction(scene, &brief);
         if !parted
-            && on_one_body(&body.spheres)
-            && rests(rest, &body.spheres, fraction)
-            && compare(scene, configuration, &body).count() == 0
+            && on_one_body(&check.body.spheres)
+            && rests(rest, &check.body.spheres, fraction)
+            && compare(scene, configuration, &check.body).count() == 0
         {
-            let non_axial = mass_properties(&body.spheres)?.across_axis();
-            let rest = Some(rest.clone());
-            return Ok(Check {
-                body,
-                movement: None,
-                dynamics,
-                settled: true,
-                discarded: false,
-                rest,
-                shedding: Shedding::default(),
-                breakup: None,
-                non_axial,
-                angular_momentum,
-            });
+            check.non_axial = mass_properties(&check.body.spheres)?.across_axis();
+            return Ok(check);
         }
     }
-    let mut shedding = Shedding::default();
-    let (mut departed, mut non_axial) = (0, 0.0_f64);
+    let mut departed = 0;
     loop {
-        // What is off the body is given the time that the full question gives it to land.
-        let rotations = if !parted && on_one_body(&body.spheres) { block_rotations } else { full };
-        let rotations = rotations.min(f64::from(settling.max_rotations) - dynamics.rotations);
-        let block = evolve_block(engine, &mut body, rotations, fraction, observer, &mut after_rotation)?;
-        dynamics.add(&block.dynamics);
+        let block = next_block(engine, scene, &mut check, parted, observer, &mut after_rotation)?;
         parted = block.parted;
-        let leaves = !block.departures.spheres.is_empty();
         departed += block.departures.spheres.len();
-        let quiet = block.moved == 0 && !leaves && (rotations >= full || on_one_body(&body.spheres));
-        let breakup = block.departures.breakup;
-        if leaves {
-            let whole = mass_properties(&body.spheres)?.angular_momentum + block.departures.angular_momentum;
-            let more = shed(scene, &mut body, &block.departures, [t_s, omega, state.obliquity])?;
-            angular_momentum.shed += (whole + more.angular_momentum_change).norm() - whole.norm();
-            shedding.losses.extend(more.losses);
-            shedding.fates.extend(more.fates);
-            shedding.fission = more.fission;
+        if !block.departures.spheres.is_empty() {
+            book_departures(scene, &mut check, &block.departures, [t_s, omega, state.obliquity])?;
         }
-        let movement = compare(scene, configuration, &body);
-        let moved = movement.count() > 0 || departed > 0;
-        let unmoved = !moved && settling.question == Question::Full;
-        let discarded = repeats(scene, state, movement.count() + departed, breakup.is_some());
-        let too_long = dynamics.rotations >= f64::from(settling.max_rotations);
-        if !(unmoved || quiet || breakup.is_some() || discarded || too_long) {
-            continue;
+        if comes_to_an_end(scene, state, configuration, &mut check, &block, departed)? {
+            return Ok(check);
         }
-        let tilt = mass_properties(&body.spheres)?.across_axis();
-        non_axial = non_axial.max(tilt);
-        let comes_to_rest = moved && !discarded && breakup.is_none() && on_one_body(&body.spheres);
-        // What is left of a movement's wobble dissipates; a body that was turned much is seen at rest about its new axis first.
-        if comes_to_rest && align(scene, &mut body)? && tilt > TILT_LIMIT && !too_long {
-            continue;
-        }
-        let movement = moved.then(|| compare(scene, configuration, &body));
-        let rest = rest_of(scene, &body.spheres);
-        let settled = quiet || unmoved || discarded;
-        return Ok(Check {
-            body,
-            movement,
-            dynamics,
-            settled,
-            discarded,
-            rest,
-            shedding,
-            breakup,
-            non_axial,
-            angular_momentum,
-        });
     }
+}
+
+/// Rotations of a block in which a movement is followed, and by which fraction of its radius a sphere may shift within it.
+fn block_rule(scene: &Scene) -> (f64, f64) {
+    match scene.settling.question {
+        Question::Full => (f64::from(scene.settling.rotations), scene.evolution.movement_radius_fraction),
+        Question::Brief(brief) => (brief.block_rotations, rest_radius_fraction(scene, &brief)),
+    }
+}
+
+/// The next block; what is off the body is given the time that the full question gives it to land.
+fn next_block(
+    engine: &mut Engine,
+    scene: &Scene,
+    check: &mut Check,
+    parted: bool,
+    observer: &mut dyn Observer,
+    after_rotation: &mut impl FnMut(f64, &mut dyn Observer),
+) -> Result<Block, EvolveError> {
+    let (block_rotations, fraction) = block_rule(scene);
+    let whole = !parted && on_one_body(&check.body.spheres);
+    let rotations = if whole { block_rotations } else { f64::from(scene.settling.rotations) };
+    let left = f64::from(scene.settling.max_rotations) - check.dynamics.rotations;
+    let block = evolve_block(engine, &mut check.body, rotations.min(left), fraction, observer, after_rotation)?;
+    check.dynamics.add(&block.dynamics);
+    Ok(block)
+}
+
+/// Books what left in a block, and follows it where the scene asks for that.
+fn book_departures(
+    scene: &Scene,
+    check: &mut Check,
+    departures: &Departures,
+    when: [f64; 3],
+) -> Result<(), EvolveError> {
+    let whole = mass_properties(&check.body.spheres)?.angular_momentum + departures.angular_momentum;
+    let more = shed(scene, &mut check.body, departures, when)?;
+    check.angular_momentum.shed += (whole + more.angular_momentum_change).norm() - whole.norm();
+    check.shedding.losses.extend(more.losses);
+    check.shedding.fates.extend(more.fates);
+    check.shedding.fission = more.fission;
+    check.breakup = departures.breakup;
+    Ok(())
+}
+
+/// Whether the check ends with `block`, after which `departed` spheres have left in all; then its answer is entered.
+fn comes_to_an_end(
+    scene: &Scene,
+    state: &State,
+    configuration: &ConfigurationRecord,
+    check: &mut Check,
+    block: &Block,
+    departed: usize,
+) -> Result<bool, EvolveError> {
+    let settling = &scene.settling;
+    let moved_now = compare(scene, configuration, &check.body).count();
+    let moved = moved_now > 0 || departed > 0;
+    let unmoved = !moved && settling.question == Question::Full;
+    let long = block.dynamics.rotations >= f64::from(settling.rotations);
+    let at_rest = block.moved == 0 && block.departures.spheres.is_empty();
+    let quiet = at_rest && (long || on_one_body(&check.body.spheres));
+    let breaks = check.breakup.is_some();
+    let discarded = repeats(scene, state, moved_now + departed, breaks);
+    let too_long = check.dynamics.rotations >= f64::from(settling.max_rotations);
+    if !(unmoved || quiet || breaks || discarded || too_long) {
+        return Ok(false);
+    }
+    let tilt = mass_properties(&check.body.spheres)?.across_axis();
+    check.non_axial = check.non_axial.max(tilt);
+    let comes_to_rest = moved && !discarded && !breaks && on_one_body(&check.body.spheres);
+    // What is left of a movement's wobble dissipates; a body that was turned much is seen at rest about its new axis first.
+    if comes_to_rest && align(scene, &mut check.body)? && tilt > TILT_LIMIT && !too_long {
+        return Ok(false);
+    }
+    check.movement = moved.then(|| compare(scene, configuration, &check.body));
+    check.rest = rest_of(scene, &check.body.spheres);
+    (check.settled, check.discarded) = (quiet || unmoved || discarded, discarded);
+    Ok(true)
 }
 
 /// Where the spheres lie after a quiet block, for a scene whose questions are brief.
