@@ -272,7 +272,7 @@ fn where_a_result_cannot_go_is_said_before_it_is_computed() {
     std::fs::create_dir(folder.path().join("taken.csv")).unwrap();
     let build = |out: &Path| ask(&[&"build", &scene, &"--out", &out]);
     refused(&build(&folder.path().join("taken.csv")), 2, "is a folder");
-    refused(&build(&folder.path().join("absent/body.csv")), 2, "does not exist");
+    refused(&build(&folder.path().join("absent/body.csv")), 4, "does not exist");
     let pair = file(folder.path(), "pair.csv", PAIR);
     let taken = folder.path().join("taken.csv");
     refused(&ask(&[&"relax", &pair, &"--rotations", &"1e9", &"--out", &taken]), 2, "is a folder");

@@ -94,7 +94,11 @@ impl From<UnknownFormat> for CliError {
 
 impl From<RefusedOutput> for CliError {
     fn from(error: RefusedOutput) -> Self {
-        Self::input(error)
+        match error {
+            // As if writing had been tried.
+            RefusedOutput::NoFolder(_) => Self::write(error),
+            _ => Self::input(error),
+        }
     }
 }
 
